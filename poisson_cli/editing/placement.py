@@ -1,0 +1,166 @@
+"""Where an edit happens: the selection made into Omega, and the window of the destination that is worked on."""
+
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from poisson_cli.errors import InputError
+
+MaskOn = Literal["source", "destination"]
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Omega on the destination, and the source laid under it.
+
+    Attributes
+    ----------
+    top, left : int
+        Where the window begins on the destination: Omega's bounding box and one ring of pixels around it, as far as
+        the destination reaches.  Where the ring is missing, Omega touches the edge of the image.
+    region : (h, w) bool
+        Omega in the window, True = unknown.
+    rectangle : (row, column, height, width)
+        Omega's bounding box on the destination.
+    offset : (row, column)
+        The source's top left corner on the destination.
+    source_shape : (H, W)
+    """
+
+    top: int
+    left: int
+    region: NDArray[np.bool_]
+    rectangle: tuple[int, int, int, int]
+    offset: tuple[int, int]
+    source_shape: tuple[int, int]
+
+    def on_destination(self, destination: NDArray[Any]) -> NDArray[Any]:
+        """The window of the destination; a view."""
+        height, width = self.region.shape
+        return destination[self.top : self.top + height, self.left : self.left + width]
+
+    def on_source(self, source: NDArray[Any]) -> NDArray[Any]:
+        """The source under the window; where there is none it continues with the value at its edge.
+
+        Omega itself lies on the source.  Only the ring can leave it, and the gradient of a pixel pair that leaves the
+        source is thus zero.
+        """
+        rows, cols, padding = self._source_window()
+        inside = source[rows, cols]
+        if not any(map(any, padding)):
+            return inside
+        return np.pad(inside, [*padding, *[(0, 0)] * (source.ndim - 2)], mode="edge")
+
+    def has_source(self) -> NDArray[np.bool_]:
+        """(h, w) bool: which pixels of the window lie on the source."""
+        _, _, padding = self._source_window()
+        (north, south), (west, east) = padding
+        height, width = self.region.shape
+        inside = np.zeros((height, width), np.bool_)
+        inside[north : height - south, west : width - east] = True
+        return inside
+
+    def _source_window(self) -> tuple[slice, slice, tuple[tuple[int, int], tuple[int, int]]]:
+        """Rows and columns of the source under the window, and how many the window has beyond them on each side."""
+        slices, padding = [], []
+        for axis, start in enumerate((self.top - self.offset[0], self.left - self.offset[1])):
+            stop = start + self.region.shape[axis]
+            low, high = max(start, 0), min(stop, self.source_shape[axis])
+            slices.append(slice(low, high))
+            padding.append((low - start, stop - high))
+        return slices[0], slices[1], (padding[0], padding[1])
+
+    def boundary(self) -> NDArray[np.bool_]:
+        """(h, w) bool: the pixels of the window outside Omega with a 4-neighbour in it."""
+        r = self.region
+        near = np.zeros_like(r)
+        near[1:] |= r[:-1]
+        near[:-1] |= r[1:]
+        near[:, 1:] |= r[:, :-1]
+        near[:, :-1] |= r[:, 1:]
+        return near & ~r
+
+
+def place(
+    destination_shape: tuple[int, ...],
+    source_shape: tuple[int, ...],
+    mask: NDArray[Any],
+    *,
+    offset: tuple[int, int] = (0, 0),
+    mask_on: MaskOn = "source",
+) -> Placement:
+    """Lays a source on a destination and clips the selection to where both have pixels.
+
+    Parameters
+    ----------
+    destination_shape, source_shape : (H, W, ...)
+    mask : (H, W) array
+        True or non-zero = edit.  Has the source's height and width, or the destination's: see `mask_on`.
+    offset : (row, column)
+        The source's top left corner on the destination; negative allowed, overhang is clipped.
+    mask_on : {"source", "destination"}
+        Whose pixels `mask` speaks of.
+
+    Raises
+    ------
+    InputError
+        If the mask has another size, selects nothing, or selects nothing that lies on both pictures.
+    """
+    if mask_on not in get_args(MaskOn):
+        raise InputError(f"mask_on is {mask_on!r}, but must be 'source' or 'destination'")
+    mask = np.asarray(mask)
+    expected = (source_shape if mask_on == "source" else destination_shape)[:2]
+    if mask.shape != expected:
+        raise InputError(
+            f"the mask is {_size(mask.shape)} but the {mask_on} is {_size(expected)}: give a mask of that size"
+            f"{_other_way_out(mask.shape, source_shape, destination_shape, mask_on)}"
+        )
+    try:
+        row, col = (int(n) for n in offset)
+    except (TypeError, ValueError):
+        raise InputError(f"offset is {offset!r}, but must be two whole numbers: (row, column)") from None
+
+    # The part of the destination that the source covers, in the mask's own coordinates.
+    shift = (row, col) if mask_on == "source" else (0, 0)
+    low = [max(0, n) for n in (row, col)]
+    high = [min(d, n + s) for d, s, n in zip(destination_shape[:2], source_shape[:2], (row, col), strict=True)]
+    covered = mask[
+        max(0, low[0] - shift[0]) : max(0, high[0] - shift[0]), max(0, low[1] - shift[1]) : max(0, high[1] - shift[1])
+    ]
+    selected = covered != 0
+    rows, cols = np.flatnonzero(selected.any(1)), np.flatnonzero(selected.any(0))
+    if rows.size == 0:
+        if not np.any(mask):
+            raise InputError("the selection is empty: no pixel of the mask is selected")
+        raise InputError(
+            f"the selection lies wholly outside: with its corner at {col},{row} the source ({_size(source_shape)}) "
+            f"has no selected pixel on the destination ({_size(destination_shape)}); choose another position"
+        )
+    first_row, end_row = int(rows[0]), int(rows[-1]) + 1
+    first_col, end_col = int(cols[0]), int(cols[-1]) + 1
+    rectangle = (low[0] + first_row, low[1] + first_col, end_row - first_row, end_col - first_col)
+
+    top, left = max(0, rectangle[0] - 1), max(0, rectangle[1] - 1)
+    bottom = min(destination_shape[0], rectangle[0] + rectangle[2] + 1)
+    right = min(destination_shape[1], rectangle[1] + rectangle[3] + 1)
+    region = np.zeros((bottom - top, right - left), np.bool_)
+    at = rectangle[0] - top, rectangle[1] - left
+    region[at[0] : at[0] + rectangle[2], at[1] : at[1] + rectangle[3]] = selected[
+        first_row:end_row, first_col:end_col
+    ]
+    return Placement(top, left, region, rectangle, (row, col), (source_shape[0], source_shape[1]))
+
+
+def _size(shape: tuple[int, ...]) -> str:
+    """A size as people say it, width first."""
+    return " x ".join(str(n) for n in (*shape[1::-1], *shape[2:])) if len(shape) >= 2 else f"{len(shape)}-dimensional"
+
+
+def _other_way_out(
+    mask: tuple[int, ...], source: tuple[int, ...], destination: tuple[int, ...], mask_on: MaskOn
+) -> str:
+    other: MaskOn = "destination" if mask_on == "source" else "source"
+    fits = (destination if other == "destination" else source)[:2] == mask
+    return f", or say that it lies on the {other} (mask_on={other!r})" if fits else ""

@@ -1,0 +1,88 @@
+"""Stored values and working floats; rounding and clipping happen here and nowhere else.
+
+Working values keep the stored scale: 0..255 for 8 bit, 0..65535 for 16 bit, 0..1 for floats.  All integers of these
+ranges are exact in float32, so a value that an edit leaves alone comes back as the same integer.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from poisson_cli.errors import InputError
+from solvers.problem import LARGEST_VALUE, Values
+
+FULL_SCALE: dict[type[np.generic], float] = {
+    np.uint8: 255.0,
+    np.uint16: 65535.0,
+    np.float32: 1.0,
+    np.float64: 1.0,
+}
+
+# Luminance of R, G, B with the primaries of sRGB and ITU-R BT.709, on values as they are stored.
+LUMINANCE = (0.2126, 0.7152, 0.0722)
+
+
+def check_picture(name: str, picture: Any) -> NDArray[Any]:
+    """`picture` as an array that can be edited: (H, W) or (H, W, C) of a known depth, with at least one value.
+
+    Raises
+    ------
+    InputError
+        Naming the picture and what is wrong with it.
+    """
+    array = np.asarray(picture)
+    if array.dtype.type not in FULL_SCALE:
+        known = ", ".join(t.__name__ for t in FULL_SCALE)
+        raise InputError(f"the {name} has values of type {array.dtype}; convert it to one of {known}")
+    if array.ndim not in (2, 3) or array.size == 0:
+        raise InputError(f"the {name} has shape {array.shape}; a picture is (H, W) or (H, W, C) and not empty")
+    return array
+
+
+def level(dtype: np.dtype[Any]) -> float:
+    """The size of one level, 1/255 of full scale, in stored units."""
+    return FULL_SCALE[dtype.type] / 255.0
+
+
+def to_working(name: str, stored: NDArray[Any]) -> Values:
+    """Stored values as floats of the same scale: float64 for float64, float32 for all others.
+
+    Raises
+    ------
+    InputError
+        If a value is NaN, infinite, or too large to compute with.
+    """
+    working: Values = stored.astype(np.float64 if stored.dtype == np.float64 else np.float32)
+    if stored.dtype.kind == "f" and working.size:
+        if not (-LARGEST_VALUE < working.min() <= working.max() < LARGEST_VALUE):
+            raise InputError(
+                f"the {name} has NaN, infinite or huge values in or beside the selection; replace them first"
+            )
+    return working
+
+
+def to_storage(working: Values, dtype: np.dtype[Any]) -> NDArray[Any]:
+    """Working floats in a picture's depth: integers are rounded half to even and clipped, floats are kept."""
+    if dtype.kind == "f":
+        return working.astype(dtype, copy=False)
+    rounded = np.rint(working)
+    return np.clip(rounded, 0, FULL_SCALE[dtype.type], out=rounded).astype(dtype)
+
+
+def count_clipped(working: Values, dtype: np.dtype[Any]) -> int:
+    """How many values `to_storage` would clip; none for floats."""
+    if dtype.kind == "f":
+        return 0
+    return int(np.count_nonzero((working < -0.5) | (working > FULL_SCALE[dtype.type] + 0.5)))
+
+
+def luminance(working: Values) -> Values:
+    """(H, W) luminance of an (H, W, 3) picture; grey pictures are returned as (H, W)."""
+    if working.ndim == 2:
+        return working
+    if working.shape[2] == 1:
+        return working[:, :, 0]
+    if working.shape[2] != 3:
+        raise InputError(f"luminance needs red, green and blue, but the source has {working.shape[2]} channels")
+    return working @ np.array(LUMINANCE, working.dtype)

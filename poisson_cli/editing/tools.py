@@ -1,0 +1,151 @@
+"""The paper's tools, each a few lines over one pipeline.
+
+Pictures are (H, W) or (H, W, C) arrays of uint8, uint16, float32 or float64; floats have full scale 1.  The result
+has the destination's shape and dtype; outside the selection it is the destination, bit for bit.  No argument is modified.
+
+The functions here return an `Edit`: the picture and a report.  `poisson_cli.clone` and so on are the same functions
+and return the picture alone.
+"""
+
+from typing import Any, Unpack
+
+import numpy as np
+from numpy.typing import NDArray
+
+from poisson_cli.editing import guidance, tone
+from poisson_cli.editing.compose import Edit, compose
+from poisson_cli.editing.guidance import GRADIENTS, Gradients
+from poisson_cli.editing.placement import MaskOn, place
+from poisson_cli.editing.solving import SolverOptions
+from poisson_cli.errors import InputError
+from solvers.problem import Values
+
+
+def clone(
+    destination: NDArray[Any],
+    source: NDArray[Any],
+    mask: NDArray[Any],
+    *,
+    offset: tuple[int, int] = (0, 0),
+    mask_on: MaskOn = "source",
+    gradients: Gradients = "source",
+    monochrome: bool = False,
+    **options: Unpack[SolverOptions],
+) -> Edit:
+    """Seamless cloning: the source's gradients inside, the destination's values at the rim (eqs. 9-11).
+
+    Parameters
+    ----------
+    destination, source : (H, W) or (H, W, C) array
+        f* and g, of one dtype.  A grey source is spread over the channels of a colour destination.
+    mask : (H, W) array
+        True or non-zero = edit; of the source's size, or the destination's (`mask_on`).
+    offset : (row, column)
+        The source's top left corner on the destination; may be negative.  Overhang is clipped.
+    mask_on : {"source", "destination"}
+        Whose pixels the mask speaks of.
+    gradients : {"source", "average"}
+        "average" takes the mean of both pictures' gradients (Fig. 6c).
+    monochrome : bool
+        Import the source's luminance only, not its colours (Fig. 5).
+    **options
+        See `SolverOptions`.
+
+    Returns
+    -------
+    Edit
+        ``.image`` and ``.report``; `poisson_cli.clone` returns the image alone.
+
+    Raises
+    ------
+    InputError
+        If the pictures, the mask and the options do not fit together.  It is also a ValueError.
+    NotConverged
+        If `max_iterations` was too small.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> sky = np.full((5, 5), 100, np.uint8)
+    >>> star = np.zeros((3, 3), np.uint8)
+    >>> star[1, 1] = 40
+    >>> clone(sky, star, star > 0, offset=(1, 1)).image[2]
+    array([100, 100, 140, 100, 100], dtype=uint8)
+    """
+    if gradients not in GRADIENTS:
+        raise InputError(f"gradients is {gradients!r}, but must be one of {', '.join(map(repr, GRADIENTS))}")
+    destination, source = _check_pair(destination, source)
+    placement = place(destination.shape, source.shape, mask, offset=offset, mask_on=mask_on)
+    g = tone.to_working("source", placement.on_source(source))
+    if monochrome:
+        g = tone.luminance(g)
+    return compose("clone", destination, placement, _spread(g, destination), GRADIENTS[gradients], **options)
+
+
+def mix(
+    destination: NDArray[Any],
+    source: NDArray[Any],
+    mask: NDArray[Any],
+    *,
+    offset: tuple[int, int] = (0, 0),
+    mask_on: MaskOn = "source",
+    **options: Unpack[SolverOptions],
+) -> Edit:
+    """Mixing gradients: of each pixel pair the stronger gradient of both pictures (eq. 13).
+
+    For objects with holes, transparent ones, and text: what is flat in the source lets the destination through.
+    Parameters, errors and result are those of `clone`.
+    """
+    destination, source = _check_pair(destination, source)
+    placement = place(destination.shape, source.shape, mask, offset=offset, mask_on=mask_on)
+    g = tone.to_working("source", placement.on_source(source))
+    return compose("mix", destination, placement, _spread(g, destination), guidance.mixed, **options)
+
+
+def fill(image: NDArray[Any], mask: NDArray[Any], **options: Unpack[SolverOptions]) -> Edit:
+    """The membrane: the selection filled as smoothly as its rim allows (eq. 2).
+
+    Parameters
+    ----------
+    image : (H, W) or (H, W, C) array
+    mask : (H, W) array
+        True or non-zero = fill.  What the picture holds there has no influence, unless everything is selected: then the
+        result is the picture's mean.
+    **options
+        See `SolverOptions`.
+    """
+    image = tone.check_picture("image", image)
+    placement = place(image.shape, image.shape, mask)
+    return compose("fill", image, placement, None, None, **options)
+
+
+def _check_pair(destination: Any, source: Any) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Both pictures as arrays of one depth."""
+    destination = tone.check_picture("destination", destination)
+    source = tone.check_picture("source", source)
+    if destination.dtype != source.dtype:
+        raise InputError(
+            f"the source is {source.dtype} but the destination is {destination.dtype}: convert the source first"
+        )
+    return destination, source
+
+
+def _spread(g: Values, destination: NDArray[Any]) -> Values:
+    """g with the destination's channels: a grey one is spread over all of them."""
+    if destination.ndim == 2:
+        if g.ndim == 3 and g.shape[2] == 1:
+            return g[:, :, 0]
+        if g.ndim == 3:
+            raise InputError(
+                f"the source has {g.shape[2]} channels but the destination is grey: convert the source, or import "
+                "its luminance only (monochrome)"
+            )
+        return g
+    channels = destination.shape[2]
+    if g.ndim == 2:
+        g = g[:, :, np.newaxis]
+    if g.shape[2] not in (1, channels):
+        raise InputError(
+            f"the source has {g.shape[2]} channels but the destination has {channels}: convert one of them"
+        )
+    return np.broadcast_to(g, (*g.shape[:2], channels))

@@ -1,0 +1,183 @@
+"""Iterating in float32, and being right in float64.
+
+float32 halves the memory traffic of float64, which is what a sweep costs, but its rounding errors add up over a large
+region: they floor the error near 1e-6 of the solution for 60,000 unknowns, and near 1e-3 for 100 million.  So the
+solution is found in stages.  A stage solves A x = b in float32 until x is right to a few digits; then
+
+    total <- total + x,    b <- b - A x in float64,    x <- 0
+
+and the next stage solves for what is left, which is smaller by as many digits, and so are its rounding errors.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from solvers import kernels
+from solvers.hierarchy import Float32, Hierarchy, build_hierarchy
+from solvers.layout import field
+from solvers.problem import PoissonProblem, Values
+from solvers.result import SolveResult
+from solvers.tolerance import LARGEST_ROW_SUM
+
+# A stage ends when the error is this share of x: well above float32's floor at every size.
+STAGE_GAIN = 2e-3
+
+
+@dataclass
+class Correction:
+    """The correction u = total + x to a problem's first guess, with b = b_0 - A total; A u = b_0 is what is wanted.
+
+    Attributes
+    ----------
+    total, x, b : float32
+        Fields of `channels` channels; x and b on all levels of the hierarchy, total on the finest.
+    exact : bool
+        Whether b_0 is exact in float32, as it is for 8- and 16-bit pictures.  b then follows total by subtraction; else
+        b is assembled anew, because a rounded b_0 has a solution of its own.
+    """
+
+    problem: PoissonProblem
+    hierarchy: Hierarchy
+    total: Float32
+    x: Float32
+    b: Float32
+    exact: bool = True
+
+    @classmethod
+    def of(cls, problem: PoissonProblem) -> "Correction":
+        """u = 0, with the right-hand side of the problem."""
+        region = problem.region
+        if problem.floating:
+            # The equations fix all but a constant.  One pixel is held, the constant is set at the end.
+            region = region.copy()
+            region[region.shape[0] // 2, region.shape[1] // 2] = False
+        hierarchy = build_hierarchy(region)
+        channels, table = problem.channels, hierarchy.table
+        correction = cls(
+            problem,
+            hierarchy,
+            total=field(table, channels, levels=1),
+            x=field(table, channels),
+            b=field(table, channels),
+        )
+        correction.exact = correction.assemble()
+        return correction
+
+    def assemble(self) -> bool:
+        """b <- the problem's residual at the first guess + total; whether float32 holds it exactly."""
+        problem, h = self.problem, self.hierarchy
+        values = _with_channels(problem.values)
+        nothing = np.zeros((0, 0, 0), values.dtype)
+        across = down = rhs = nothing
+        if problem.guidance is not None:
+            across, down = _with_channels(problem.guidance.across), _with_channels(problem.guidance.down)
+        elif problem.rhs is not None:
+            rhs = _with_channels(problem.rhs)
+            if problem.floating:
+                rhs = rhs - rhs.mean((0, 1))  # a natural condition all round has a solution only then
+        where = h.region, h.runs, h.run_start, h.table
+        return bool(kernels.assemble(self.b, values, across, down, rhs, self.total, *where))
+
+    def next_stage(self) -> None:
+        """total <- total + x, b <- b - A x, x <- 0."""
+        h, channels = self.hierarchy, self.problem.channels
+        kernels.fold(self.total, self.x, h.runs, h.run_start, h.table, channels)
+        if self.exact:
+            kernels.subtract_image(
+                self.b, self.x, h.weight, h.diagonal, h.runs, h.run_start, h.table, channels, False
+            )
+        else:
+            self.assemble()
+        self.x[: self.total.size] = 0
+
+    def least_error(self) -> float:
+        """A lower bound of the largest error, from the true residual, in float64."""
+        h = self.hierarchy
+        largest = kernels.subtract_image(
+            self.b, self.x, h.weight, h.diagonal, h.runs, h.run_start, h.table, self.problem.channels, True
+        )
+        return float(largest) / LARGEST_ROW_SUM
+
+    def solution(self) -> Values:
+        """The problem's values plus the correction; outside the region the same bits."""
+        problem, h = self.problem, self.hierarchy
+        solution = problem.values.copy()
+        view = _with_channels(solution)
+        kernels.add_solution(view, self.total, self.x, h.region, h.runs, h.run_start, h.table)
+        if problem.floating:
+            drift = view.mean((0, 1), dtype=np.float64) - _with_channels(problem.values).mean((0, 1), dtype=np.float64)
+            view -= drift.astype(view.dtype)
+        return solution
+
+
+def solve_in_stages(
+    correction: Correction,
+    iterate: Callable[[], float],
+    estimate: Callable[[list[float]], float],
+    *,
+    tolerance: float,
+    max_iterations: int,
+    method: Callable[[], str],
+    iterations_per_step: int = 1,
+) -> SolveResult:
+    """Runs an iteration on x until the stop rule of `tolerance` holds.
+
+    Parameters
+    ----------
+    iterate : callable
+        One step on ``correction.x``; returns the largest change of any value.
+    estimate : callable
+        The error after the last of a stage's changes.
+    tolerance : float
+        In levels.
+    method : callable
+        How the result names the solver, asked at the end.
+    iterations_per_step : int
+        How many iterations (sweeps, cycles) a step is; `max_iterations` counts them.
+    """
+    problem = correction.problem
+    level = problem.level
+    floor = _float32_floor(problem.unknowns)
+    history: list[float] = []
+    changes: list[float] = []
+    error = np.inf
+    stage = 0
+    while (len(history) + 1) * iterations_per_step <= max_iterations:
+        changes.append(iterate() / level)
+        size = changes[0]  # x began at zero: its first change is about its size
+        error = max(estimate(changes), floor * size)
+        history.append(error)
+        if not np.isfinite(changes[-1]):
+            break
+        if error <= tolerance and (correction.exact or stage > 0):
+            error = max(error, correction.least_error() / level)
+            if error <= tolerance:
+                break
+        if error <= max(STAGE_GAIN * size, tolerance):
+            correction.next_stage()
+            changes.clear()
+            stage += 1
+    if history:
+        history[-1] = float(error)
+    return SolveResult(
+        solution=correction.solution(),
+        error_estimate=float(error),
+        tolerance=tolerance,
+        converged=bool(error <= tolerance),
+        iterations=len(history) * iterations_per_step,
+        history=tuple(float(e) for e in history),
+        method=method(),
+        unknowns=problem.unknowns,
+        floating=problem.floating,
+    )
+
+
+def _float32_floor(unknowns: int) -> float:
+    """Share of the solution below which float32 cannot be trusted within one stage (measured, see the module)."""
+    return min(1e-6 * max(1.0, unknowns / 2e4), STAGE_GAIN / 2)
+
+
+def _with_channels(values: Values) -> Values:
+    return values if values.ndim == 3 else values[:, :, np.newaxis]

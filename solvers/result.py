@@ -1,0 +1,42 @@
+"""What a solver returns."""
+
+from dataclasses import dataclass
+
+from solvers.problem import Values
+
+
+@dataclass(frozen=True)
+class SolveResult:
+    """A solution of eq. (7) and how far it can be trusted.
+
+    Attributes
+    ----------
+    solution : (H, W) or (H, W, C)
+        dtype and shape of the problem's values, and bit for bit the same values outside the region.
+    error_estimate : float
+        Estimate of the largest error in any pixel, in levels.
+    tolerance : float
+        The error that was allowed, in levels.
+    converged : bool
+        Whether ``error_estimate <= tolerance``.  If not, the solution is the best so far.
+    iterations : int
+        Cycles, or sweeps.
+    history : tuple of float
+        The estimate after each iteration, in levels.
+    method : str
+        For example ``"multigrid F"`` or ``"sor omega=1.97"``.
+    unknowns : int
+        Unknown pixels.
+    floating : bool
+        True if no pixel was known, so that the mean of the first guess was kept.
+    """
+
+    solution: Values
+    error_estimate: float
+    tolerance: float
+    converged: bool
+    iterations: int
+    history: tuple[float, ...]
+    method: str
+    unknowns: int
+    floating: bool
