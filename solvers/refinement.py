@@ -1,8 +1,8 @@
 """Iterating in float32, and being right in float64.
 
 float32 halves the memory traffic of float64, which is what a sweep costs, but its rounding errors add up over a large
-region: they floor the error near 1e-6 of the solution for 60,000 unknowns, and near 1e-3 for 100 million.  So the
-solution is found in stages.  A stage solves A x = b in float32 until x is right to a few digits; then
+region: in multigrid they floor the error near 1e-6 of the solution for 60,000 unknowns, and near 1e-3 for 100 million.
+So the solution is found in stages.  A stage solves A x = b in float32 until x is right to a few digits; then
 
     total <- total + x,    b <- b - A x in float64,    x <- 0
 
@@ -20,9 +20,6 @@ from solvers.layout import field
 from solvers.problem import PoissonProblem, Values
 from solvers.result import SolveResult
 from solvers.tolerance import LARGEST_ROW_SUM
-
-# A stage ends when the error is this share of x: well above float32's floor at every size.
-STAGE_GAIN = 2e-3
 
 
 @dataclass
@@ -120,6 +117,8 @@ def solve_in_stages(
     tolerance: float,
     max_iterations: int,
     method: Callable[[], str],
+    floor: float,
+    gain: float,
     iterations_per_step: int = 1,
 ) -> SolveResult:
     """Runs an iteration on x until the stop rule of `tolerance` holds.
@@ -134,12 +133,15 @@ def solve_in_stages(
         In levels.
     method : callable
         How the result names the solver, asked at the end.
+    floor : float
+        Share of a stage's x below which rounding in float32 makes the iteration blind.
+    gain : float
+        A stage ends when the error is this share of its x; at least `floor`.
     iterations_per_step : int
         How many iterations (sweeps, cycles) a step is; `max_iterations` counts them.
     """
     problem = correction.problem
     level = problem.level
-    floor = _float32_floor(problem.unknowns)
     history: list[float] = []
     changes: list[float] = []
     error = np.inf
@@ -155,7 +157,7 @@ def solve_in_stages(
             error = max(error, correction.least_error() / level)
             if error <= tolerance:
                 break
-        if error <= max(STAGE_GAIN * size, tolerance):
+        if error <= max(gain * size, tolerance):
             correction.next_stage()
             changes.clear()
             stage += 1
@@ -172,11 +174,6 @@ def solve_in_stages(
         unknowns=problem.unknowns,
         floating=problem.floating,
     )
-
-
-def _float32_floor(unknowns: int) -> float:
-    """Share of the solution below which float32 cannot be trusted within one stage (measured, see the module)."""
-    return min(1e-6 * max(1.0, unknowns / 2e4), STAGE_GAIN / 2)
 
 
 def _with_channels(values: Values) -> Values:
