@@ -16,10 +16,9 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from solvers import kernels
-from solvers.hierarchy import Float32, Hierarchy
-from solvers.kernels import COARSEST, DOWN, UP
-from solvers.layout import WIDTH
+from solvers.hierarchy import LONGEST_SEGMENT, Hierarchy
+from solvers.kernels.cycle import COARSEST, DOWN, UP, run_steps
+from solvers.layout import LANES, STRIDE, Float32
 
 Cycle = Literal["V", "F", "W"]
 CYCLES: tuple[Cycle, ...] = get_args(Cycle)
@@ -56,8 +55,8 @@ class Cycling:
         self.channels = channels
         self.names = [cycle]
         self.steps = steps_of(cycle, hierarchy.n_levels)
-        # Two rows, each long enough for a row of the finest level put together from its two colours.
-        self.scratch = np.zeros(2 * (int(hierarchy.table[0, WIDTH]) + 8), np.float32)
+        # A row of the finest level and a little more, or a segment.
+        self.scratch = np.zeros(max(int(hierarchy.table[0, STRIDE]) + LANES, LONGEST_SEGMENT), np.float32)
         self.scratch64 = np.zeros(len(hierarchy.coarsest.band), np.float64)
 
     def strengthen(self) -> None:
@@ -69,8 +68,8 @@ class Cycling:
     def run(self, x: Float32, b: Float32) -> float:
         """One cycle for A x = b, in place; returns a bound of the largest change of any black pixel."""
         h, coarsest = self.hierarchy, self.hierarchy.coarsest
-        bits = kernels.run_steps(
-            x, b, h.weight, h.diagonal, h.edge_e, h.edge_s, coarsest.band, coarsest.cell_row, coarsest.cell_index,
-            self.scratch, self.scratch64, h.runs, h.run_start, h.table, self.steps, self.channels,
+        bits = run_steps(
+            x, b, h.weight, h.diagonal, h.edge_e, h.edge_s, coarsest.band, coarsest.cells,
+            self.scratch, self.scratch64, h.runs, h.segments, h.table, self.steps, self.channels,
         )  # fmt: skip
         return float(np.array(bits, np.int32).view(np.float32).sum(dtype=np.float64))

@@ -5,59 +5,46 @@ and one *leak* per direction to the known values beside it.  A leak keeps its di
 the known value's distance: that is what makes one coarse operator work on every region, thin and ragged ones included.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solvers import kernels
-from solvers.layout import HEIGHT, LANES, OFFSET, STRIDE, WIDTH, field, layout_table
+from solvers.kernels import setup
+from solvers.layout import (
+    FIRST_RUN,
+    FIRST_SEGMENT,
+    HEIGHT,
+    LANES,
+    OFFSET,
+    QUARTER,
+    STRIDE,
+    WIDTH,
+    Float32,
+    Table,
+    aligned_zeros,
+    field,
+    layout_table,
+    whole_vectors,
+)
 
 EXACT_UNKNOWNS = 20  # a level with at most so many unknowns is solved directly,
 EXACT_SIDE = 2  # and so is a level with a side this short: its matrix has a narrow band
 
-RUN_GAP = LANES  # empty indices that are cheaper to sweep than to begin a new run
+# Runs with fewer empty places between them are joined: sweeping those is cheaper than beginning a new run, and runs
+# stay apart when they are widened to whole vectors.
+RUN_GAP = 2 * LANES
 
-Bool2D = NDArray[np.bool_]
-Float32 = NDArray[np.float32]
-
-
-@dataclass(frozen=True)
-class Conductances:
-    """One level's operator on a plain grid, padded to even sides.
-
-    Attributes
-    ----------
-    edge_e, edge_s : (H, W) float32
-        Between a cell and its east, its south neighbour; 0 where either is inactive.
-    leak : (4, H, W) float32
-        From a cell to the known value in the north, south, west, east; 0 where there is none.
-    """
-
-    edge_e: Float32
-    edge_s: Float32
-    leak: Float32
-
-    @classmethod
-    def zeros(cls, height: int, width: int) -> "Conductances":
-        shape = (height + height % 2, width + width % 2)
-        return cls(np.zeros(shape, np.float32), np.zeros(shape, np.float32), np.zeros((4, *shape), np.float32))
-
-    def diagonal(self) -> Float32:
-        """The sum of each cell's conductances, 0 for an inactive cell."""
-        total = self.leak.sum(0) + self.edge_e + self.edge_s
-        total[:, 1:] += self.edge_e[:, :-1]
-        total[1:] += self.edge_s[:-1]
-        return total
+SEGMENT_GAP = 4 * LANES  # the same across the ends of rows
+LONGEST_SEGMENT = 1024  # so that a stretch of scratch stays in the first-level cache
 
 
 @dataclass(frozen=True)
 class Coarsest:
-    """The coarsest level's matrix, factored: see `kernels.solve_coarsest`."""
+    """The coarsest level's matrix, factored: see `kernels.cycle.solve_coarsest`."""
 
     band: NDArray[np.float64]
-    cell_row: NDArray[np.int64]
-    cell_index: NDArray[np.int64]
+    cells: NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -68,23 +55,23 @@ class Hierarchy:
     ----------
     region : (H, W) bool
         True = unknown.
-    table : (n_levels + 1, 6) int64
+    table : (n_levels + 1, 9) int64
         The layout.
-    runs, run_start : (n, 2) int32, (n_rows + 1,) int64
-        The stretches of each row that hold unknowns.
+    runs, segments : (n, 3) int32, (n, 2) int64
+        The places to visit, of all levels.
     weight, diagonal : float32
         Fields of one channel: the operator's diagonal, and its inverse (0 outside the region).
     edge_e, edge_s : float32
-        Fields of one channel, without the finest level.
+        Fields of one channel without the finest level: conductances to the east and south neighbour.
     unknowns : tuple of int
         Number of unknowns, per level.
     coarsest : Coarsest
     """
 
-    region: Bool2D
-    table: NDArray[np.int64]
+    region: NDArray[np.bool_]
+    table: Table
     runs: NDArray[np.int32]
-    run_start: NDArray[np.int64]
+    segments: NDArray[np.int64]
     weight: Float32
     diagonal: Float32
     edge_e: Float32
@@ -101,23 +88,21 @@ class Hierarchy:
         """Length of the finest level of a one-channel field."""
         return int(self.table[1, OFFSET])
 
+    @property
+    def finest_runs(self) -> NDArray[np.int32]:
+        return self.runs[: self.table[1, FIRST_RUN]]
+
+    @property
+    def finest_segments(self) -> NDArray[np.int64]:
+        return self.segments[: self.table[1, FIRST_SEGMENT]]
+
     def shape(self, level: int) -> tuple[int, int]:
         """Height and width of a level's grid."""
         return int(self.table[level, HEIGHT]), int(self.table[level, WIDTH])
 
-    def plain(self, values: Float32, level: int, *, skipped: int = 0) -> Float32:
-        """A level of a one-channel field as a (height, width) array: for looking at, and for tests."""
-        height, width, half, stride, offset, _ = (int(n) for n in self.table[level])
-        rows = values[offset - skipped :][: (height + 2) * 2 * stride].reshape(-1, 2, stride)[1 : height + 1, :, :half]
-        grid = np.zeros((height, 2 * half), np.float32)
-        for colour in (0, 1):
-            grid[0::2, colour::2] = rows[0::2, colour]
-            grid[1::2, 1 - colour :: 2] = rows[1::2, colour]
-        return grid[:, :width]
-
     def operator(self, level: int) -> tuple[Float32, Float32, Float32]:
-        """`edge_e`, `edge_s`, `diagonal` of a level as (height, width) arrays."""
-        diagonal = self.plain(self.diagonal, level)
+        """`edge_e`, `edge_s`, `diagonal` of a level as (height, width) arrays: for looking at, and for tests."""
+        diagonal = plain_level(self.diagonal, self.table, level)
         if level == 0:
             edge_e, edge_s = np.zeros_like(diagonal), np.zeros_like(diagonal)
             edge_e[:, :-1] = self.region[:, :-1] & self.region[:, 1:]
@@ -125,8 +110,8 @@ class Hierarchy:
             return edge_e, edge_s, diagonal
         skipped = self.finest_size
         return (
-            self.plain(self.edge_e, level, skipped=skipped),
-            self.plain(self.edge_s, level, skipped=skipped),
+            plain_level(self.edge_e, self.table, level, skipped),
+            plain_level(self.edge_s, self.table, level, skipped),
             diagonal,
         )
 
@@ -135,17 +120,17 @@ class Hierarchy:
         for level, unknowns in enumerate(self.unknowns):
             height, width = self.shape(level)
             lines.append(f"{level:5d} {unknowns:10,d} {f'{width} x {height}':>13s} {unknowns / (height * width):7.0%}")
-        total = sum(self.unknowns) / max(1, self.unknowns[0])
+        total = sum(self.unknowns) / self.unknowns[0]
         lines.append(f"{sum(self.unknowns):,d} unknowns in all, {total:.2f} times the finest level")
         return "\n".join(lines)
 
 
-def describe(region: Bool2D) -> str:
+def describe(region: NDArray[np.bool_]) -> str:
     """The hierarchy of a region as a table: unknowns, grid and filled share of each level."""
     return str(build_hierarchy(region))
 
 
-def build_hierarchy(region: Bool2D) -> Hierarchy:
+def build_hierarchy(region: NDArray[np.bool_]) -> Hierarchy:
     """Levels of a region, finest first.
 
     Parameters
@@ -154,73 +139,111 @@ def build_hierarchy(region: Bool2D) -> Hierarchy:
         True = unknown.  At least one pixel must be False: without a known value the operator is singular.
     """
     region = np.ascontiguousarray(region, dtype=np.bool_)
+    exact_runs = _all_runs(region)
     shapes = [(int(region.shape[0]), int(region.shape[1]))]
-    runs, run_start = [], []
-
-    start = np.zeros(shapes[0][0] + 1, np.int64)
-    found = np.zeros((kernels.find_runs(np.zeros((0, 2), np.int32), start, region, RUN_GAP), 2), np.int32)
-    kernels.find_runs(found, start, region, RUN_GAP)
-    runs.append(found)
-    run_start.append(start)
-    unknowns = [int(np.count_nonzero(region))]
-
-    plain: list[Conductances] = []  # of the coarse levels
-    fine = Conductances.zeros(*shapes[0])
-    kernels.conductances_of_region(fine.edge_e, fine.edge_s, fine.leak, region)
-    while unknowns[-1] > EXACT_UNKNOWNS and min(shapes[-1]) > EXACT_SIDE:
-        height, width = (shapes[-1][0] + 1) // 2, (shapes[-1][1] + 1) // 2
-        found, start = np.zeros_like(runs[-1]), np.zeros(height + 1, np.int64)
-        count = kernels.coarsen_runs(found, start, runs[-1], run_start[-1], shapes[-1][0], RUN_GAP)
-        coarse = Conductances.zeros(height, width)
-        kernels.coarsen(
-            coarse.edge_e, coarse.edge_s, coarse.leak, fine.edge_e, fine.edge_s, fine.leak,
-            found[:count], start, height, width,
-        )  # fmt: skip
-        shapes.append((height, width))
-        runs.append(found[:count])
-        run_start.append(start)
-        plain.append(coarse)
-        unknowns.append(int(np.count_nonzero(coarse.diagonal())))
-        fine = coarse
-
+    while len(shapes) < len(exact_runs):
+        shapes.append(((shapes[-1][0] + 1) // 2, (shapes[-1][1] + 1) // 2))
     table = layout_table(shapes)
-    coarsest = _factor(fine, shapes[-1], int(table[-2, STRIDE]))
-    bases = np.cumsum([0] + [len(r) for r in runs[:-1]])
-    all_starts = np.concatenate([s[:-1] + base for s, base in zip(run_start, bases, strict=True)] + [[sum(map(len, runs))]])
-    all_runs = np.concatenate(runs)
+
+    runs = [_whole_vectors(level_runs) for level_runs in exact_runs]
+    segments = [_join(level_runs, int(stride)) for level_runs, stride in zip(runs, table[:-1, STRIDE], strict=True)]
+    table[1:, FIRST_RUN] = np.cumsum([len(r) for r in runs])
+    table[1:, FIRST_SEGMENT] = np.cumsum([len(s) for s in segments])
+
     weight, diagonal = field(table, 1), field(table, 1)
-    split_e = np.zeros(weight.size - int(table[1, OFFSET]), np.float32)
-    split_s = np.zeros_like(split_e)
-    kernels.split_region(weight, diagonal, region, all_runs, all_starts, table)
-    for level, coarse in enumerate(plain, start=1):
-        kernels.split_conductances(
-            weight, diagonal, split_e, split_s, coarse.edge_e, coarse.edge_s, coarse.leak,
-            all_runs, all_starts, table, level,
-        )  # fmt: skip
-    return Hierarchy(
-        region, table, all_runs, all_starts, weight, diagonal, split_e, split_s, tuple(unknowns), coarsest
+    setup.weigh_region(weight, diagonal, region, runs[0], table)
+    unknowns = [int(np.count_nonzero(region))]
+    conductances = [aligned_zeros(weight.size - int(table[1, OFFSET])) for _ in range(6)]
+    scratch = np.zeros(int(table[0, STRIDE]), np.float32)
+    for level in range(1, len(shapes)):
+        if level == 1:
+            setup.coarsen_region(*conductances, region, runs[0], table)
+        else:
+            setup.coarsen(*conductances, scratch, runs[level - 1], table, level - 1)
+        unknowns.append(int(setup.weigh(weight, diagonal, *conductances, segments[level], table, level)))
+        if unknowns[-1] <= EXACT_UNKNOWNS:
+            break
+
+    # The depth was known only now: coarser levels, laid out above, are left out.
+    n_levels = len(unknowns)
+    table = table[: n_levels + 1]
+    hierarchy = Hierarchy(
+        region,
+        table,
+        np.concatenate(runs[:n_levels]),
+        np.concatenate(segments[:n_levels]),
+        weight,
+        diagonal,
+        conductances[0],
+        conductances[1],
+        tuple(unknowns),
+        Coarsest(np.zeros((0, 1)), np.zeros(0, np.int64)),
     )
+    return replace(hierarchy, coarsest=_factor(hierarchy))
 
 
-def _factor(level: Conductances, shape: tuple[int, int], stride: int) -> Coarsest:
-    """Cholesky factor of a level's matrix, cells numbered along the longer side to keep the band narrow."""
-    diagonal = level.diagonal().astype(np.float64)
-    if shape[1] > shape[0]:
+def _all_runs(region: NDArray[np.bool_]) -> list[NDArray[np.int32]]:
+    """Runs of all levels that there may be, finest first."""
+    height, width = region.shape
+    count = setup.find_runs(np.zeros((0, 3), np.int32), region, RUN_GAP)
+    finest = np.zeros((count, 3), np.int32)
+    setup.find_runs(finest, region, RUN_GAP)
+    levels = [finest]
+    while min(height, width) > EXACT_SIDE:
+        coarse = np.zeros_like(levels[-1])
+        levels.append(coarse[: setup.coarsen_runs(coarse, levels[-1], RUN_GAP)])
+        height, width = (height + 1) // 2, (width + 1) // 2
+    return levels
+
+
+def _whole_vectors(runs: NDArray[np.int32]) -> NDArray[np.int32]:
+    """The same runs with both ends moved outwards to multiples of `LANES`."""
+    widened = runs.copy()
+    widened[:, 1] &= -LANES
+    widened[:, 2] = whole_vectors(widened[:, 2])
+    return widened
+
+
+def _join(runs: NDArray[np.int32], stride: int) -> NDArray[np.int64]:
+    """Segments of a level from its runs."""
+    none = np.zeros((0, 2), np.int64)
+    segments = np.zeros((setup.join_runs(none, runs, stride, SEGMENT_GAP, LONGEST_SEGMENT), 2), np.int64)
+    setup.join_runs(segments, runs, stride, SEGMENT_GAP, LONGEST_SEGMENT)
+    return segments
+
+
+def plain_level(values: Float32, table: Table, level: int, skipped: int = 0) -> Float32:
+    """A level of a one-channel field as a (height, width) array; `skipped`: length of the levels it leaves out."""
+    height, width, rows, cols, stride, size, offset = (int(n) for n in table[level, : OFFSET + 1])
+    quarters = values[offset - skipped : offset - skipped + 4 * size].reshape(4, rows + 2, stride)[:, 1:-1, :cols]
+    grid = np.zeros((2 * rows, 2 * cols), np.float32)
+    for quarter in range(4):
+        grid[quarter // 2 :: 2, quarter % 2 :: 2] = quarters[quarter]
+    return grid[:height, :width]
+
+
+def _factor(hierarchy: Hierarchy) -> Coarsest:
+    """Cholesky factor of the coarsest matrix, its cells numbered along the longer side to keep the band narrow."""
+    level = hierarchy.n_levels - 1
+    edge_e, edge_s, diagonal = hierarchy.operator(level)
+    height, width = hierarchy.shape(level)
+    if width > height:
         col, row = np.nonzero(diagonal.T)
     else:
         row, col = np.nonzero(diagonal)
-    number = np.full(diagonal.shape, -1, np.int64)
+    number = np.full((height + 1, width + 1), -1, np.int64)
     number[row, col] = np.arange(row.size)
     entries = []
-    for edge, (down, right) in ((level.edge_e, (0, 1)), (level.edge_s, (1, 0))):
+    for edge, (down, right) in ((edge_e, (0, 1)), (edge_s, (1, 0))):
         r, c = np.nonzero(edge)
         p, q = number[r, c], number[r + down, c + right]
         entries.append((np.maximum(p, q), np.abs(p - q), edge[r, c]))
-    bandwidth = max((int(distance.max(initial=0)) for _, distance, _ in entries), default=0)
+    bandwidth = max(int(distance.max(initial=0)) for _, distance, _ in entries)
     band = np.zeros((row.size, bandwidth + 1))
     band[:, 0] = diagonal[row, col]
     for i, distance, w in entries:
         band[i, distance] = -w
-    kernels.factor_band(band)
-    colour = (row + col) % 2
-    return Coarsest(band, row.astype(np.int64), (colour * stride + col // 2).astype(np.int64))
+    setup.factor_band(band)
+    stride, size = hierarchy.table[level, STRIDE], hierarchy.table[level, QUARTER]
+    cells = (2 * (row % 2) + col % 2) * size + (row // 2 + 1) * stride + col // 2
+    return Coarsest(band, cells.astype(np.int64))

@@ -1,47 +1,55 @@
 """Where a value lies in memory: the one description of the layout that every kernel relies on.
 
-A level is a grid of ``height x width`` cells, coloured like a chessboard: cell (row, col) is red (0) when
-``row + col`` is even, black (1) when it is odd.  A row is split by colour, so that every colour is contiguous and
-a half sweep is a run of plain, vectorisable loops.  Cell ``col`` of a row becomes index ``i = col // 2``::
+A level is a grid of cells.  It is cut into four *quarters* by the parity of row and column, so that each 2 x 2 block of
+cells, which is one cell of the next coarser level, has one cell in every quarter, all at the same place::
 
-    the grid              row 0:  r0 b0 r1 b1 r2 b2         row 1:  b0 r0 b1 r1 b2 r2
+    the grid                      quarter 0 (red)     quarter 1 (black)
+                                   even row, col        odd column
+      a0 b0 a1 b1 a2 b2             a0 a1 a2  .         b0 b1 b2  .
+      c0 d0 c1 d1 c2 d2             a3 a4 a5  .         b3 b4 b5  .
+      a3 b3 a4 b4 a5 b5           quarter 2 (black)   quarter 3 (red)         '.' = padding, always zero
+      c3 d3 c4 d4 c5 d5              odd row            odd row, col
+                                    c0 c1 c2  .         d0 d1 d2  .
+                                    c3 c4 c5  .         d3 d4 d5  .
 
-    in memory   row 0, red   r0 r1 r2 .   row 0, black  b0 b1 b2 .   row 1, red   r0 r1 r2 .   row 1, black ...
-                |<-- stride, a multiple of 64 bytes -->|                          '.' = padding, always zero
+Quarters 0 and 3 are the red cells of a chessboard, 1 and 2 the black ones: the four neighbours of a cell lie in two
+quarters of the other colour, two of them at its own place and two a step away.  For place t of quarter q
 
-Which neighbours has cell ``i`` of one colour?  All four are of the other colour:
+    north, south    quarter q ^ 2, at t - stride and t  (even rows)      or  t and t + stride  (odd rows)
+    west, east      quarter q ^ 1, at t - 1 and t       (even columns)   or  t and t + 1       (odd columns)
 
-    north, south   the rows above and below, at the same index ``i``
-    the same row   index ``i``, and index ``i - 1`` or ``i + 1``: left where the cell's column is even
-                   (``(row + colour) % 2 == 0``), right where it is odd
+so that a half sweep is two plain loops without gathers, and aggregation adds four numbers at one place.
 
-A row has at least one zero of padding behind it and a level one row of zeros above and below it, so index -1 and
-index ``half`` of any row read a zero: no kernel tests for the edge of the grid.  The four children of coarse cell
-``X`` in coarse row ``Y`` lie at index ``i = X`` of fine rows ``2Y`` and ``2Y + 1``: aggregation needs no gather.
+A quarter has `rows x cols` places, stored in rows of `stride` values, a multiple of 64 bytes.  Behind each row lies at
+least one zero and above and below the quarter a row of zeros: reading beyond an edge reads a zero, and no kernel tests for
+edges.  All levels of a field lie in one flat array, the finest first; on a level come the channels, in a channel the
+quarters.  `table` holds one line per level, with the columns named below; place (row, col) of a quarter is at
 
-Fields of several channels interleave them row by row: row 0 of channel 0 (red, black), row 0 of channel 1, ...  All
-levels of a field lie in one flat array, the finest first.  `table` holds one line per level, and its columns
-are the constants below; a value's position is
+    channels * table[level, OFFSET] + (4 * channel + quarter) * table[level, QUARTER] + (row + 1) * stride + col
 
-    channels * table[level, OFFSET] + ((row + 1) * channels + channel) * 2 * stride + colour * stride + i
+Coefficients are shared by all channels: they are fields of one channel.  The finest level's edges all have conductance 1
+and are not stored: the edge fields begin at level 1 (``table[1, OFFSET]`` is subtracted).
 
-Coefficients are shared by all channels: they are fields of one channel.  The finest level's edges all have
-conductance 1 and are not stored; the edge fields therefore begin at level 1 (``table[1, OFFSET]`` is subtracted).
-
-Only *runs* are ever visited: the maximal stretches ``[low, high)`` of indices that hold a cell of the region, short
-gaps bridged.  Runs of row ``row`` are ``runs[run_start[k] : run_start[k + 1]]`` with ``k = table[level, ROWS] + row``.
+Only places of the region are visited.  *Runs* are the stretches of a row of places that hold a cell of the region:
+``runs[k] = row, low, high`` for ``k`` in ``range(table[level, FIRST_RUN], table[level + 1, FIRST_RUN])``, by row.  Short
+gaps are bridged and both ends moved outwards to whole vectors of 16: what they hold beside the region has weight 0.
+*Segments* are the same places in terms of the flat index of a quarter, ``start, end``, joined over the ends of rows
+where that is cheaper: on coarse levels a segment holds many rows, and a sweep is a few long loops.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
-HEIGHT, WIDTH, HALF, STRIDE, OFFSET, ROWS = range(6)
+HEIGHT, WIDTH, ROWS, COLS, STRIDE, QUARTER, OFFSET, FIRST_RUN, FIRST_SEGMENT = range(9)
 
 ALIGNMENT = 64  # bytes: a cache line, and the widest vector register
 LANES = ALIGNMENT // 4  # float32 values in it
 
+Table = NDArray[np.int64]
+Float32 = NDArray[np.float32]
 
-def layout_table(shapes: list[tuple[int, int]]) -> NDArray[np.int64]:
+
+def layout_table(shapes: list[tuple[int, int]]) -> Table:
     """The layout of grids with these shapes.
 
     Parameters
@@ -51,30 +59,34 @@ def layout_table(shapes: list[tuple[int, int]]) -> NDArray[np.int64]:
 
     Returns
     -------
-    (n_levels + 1, 6) int64
-        One line per level; the last line holds the totals: its ``OFFSET`` is the size of a one-channel field, its
-        ``ROWS`` the number of rows of all levels.
+    (n_levels + 1, 9) int64
+        One line per level; the last line closes the columns that count up: its ``OFFSET`` is the size of a
+        one-channel field.  ``FIRST_RUN`` and ``FIRST_SEGMENT`` are left at 0.
     """
-    table = np.zeros((len(shapes) + 1, 6), np.int64)
-    offset = rows = 0
+    table = np.zeros((len(shapes) + 1, 9), np.int64)
+    offset = 0
     for level, (height, width) in enumerate(shapes):
-        half = (width + 1) // 2
-        stride = -(-(half + 1) // LANES) * LANES  # at least one zero behind every row
-        table[level] = height, width, half, stride, offset, rows
-        # One row of zeros above, one below: two below an odd height, whose last coarse row lacks a child.
-        offset += (height + 2 + height % 2) * 2 * stride
-        rows += height
-    table[-1, OFFSET], table[-1, ROWS] = offset, rows
+        rows, cols = (height + 1) // 2, (width + 1) // 2
+        stride = whole_vectors(cols + 1)
+        quarter = (rows + 2) * stride
+        table[level] = height, width, rows, cols, stride, quarter, offset, 0, 0
+        offset += 4 * quarter
+    table[-1, OFFSET] = offset
     return table
 
 
-def aligned_zeros(size: int) -> NDArray[np.float32]:
+def whole_vectors(size: int) -> int:
+    """`size` rounded up to a multiple of `LANES`."""
+    return -(-size // LANES) * LANES
+
+
+def aligned_zeros(size: int) -> Float32:
     """`size` float32 zeros that begin on a cache line (numpy promises 16 bytes only)."""
     raw = np.zeros(size + LANES, np.float32)
     start = (-raw.ctypes.data % ALIGNMENT) // 4
     return raw[start : start + size]
 
 
-def field(table: NDArray[np.int64], channels: int, *, levels: int | None = None) -> NDArray[np.float32]:
+def field(table: Table, channels: int, *, levels: int | None = None) -> Float32:
     """Zeros for one field of `channels` channels, on all levels or on the first `levels` of them."""
     return aligned_zeros(channels * int(table[-1 if levels is None else levels, OFFSET]))

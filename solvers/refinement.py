@@ -14,9 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers import kernels
-from solvers.hierarchy import Float32, Hierarchy, build_hierarchy
-from solvers.layout import field
+from solvers.hierarchy import LONGEST_SEGMENT, Hierarchy, build_hierarchy
+from solvers.kernels import exact as kernels
+from solvers.layout import Float32, field
 from solvers.problem import PoissonProblem, Values
 from solvers.result import SolveResult
 from solvers.tolerance import LARGEST_ROW_SUM
@@ -66,6 +66,9 @@ class Correction:
         """b <- the problem's residual at the first guess + total; whether float32 holds it exactly."""
         problem, h = self.problem, self.hierarchy
         values = _with_channels(problem.values)
+        if self.total.any():
+            values = values.astype(np.float64)
+            kernels.add_solution(values, self.total, np.zeros_like(self.total), h.weight, h.finest_runs, h.table)
         nothing = np.zeros((0, 0, 0), values.dtype)
         across = down = rhs = nothing
         if problem.guidance is not None:
@@ -74,35 +77,38 @@ class Correction:
             rhs = _with_channels(problem.rhs)
             if problem.floating:
                 rhs = rhs - rhs.mean((0, 1))  # a natural condition all round has a solution only then
-        where = h.region, h.runs, h.run_start, h.table
-        return bool(kernels.assemble(self.b, values, across, down, rhs, self.total, *where))
+        scratch64 = np.empty(values.shape[1] * values.shape[2])
+        return bool(
+            kernels.assemble(self.b, scratch64, values, across, down, rhs, h.weight, h.finest_runs, h.table)
+        )
 
     def next_stage(self) -> None:
         """total <- total + x, b <- b - A x, x <- 0."""
-        h, channels = self.hierarchy, self.problem.channels
-        kernels.fold(self.total, self.x, h.runs, h.run_start, h.table, channels)
+        h = self.hierarchy
+        kernels.fold(self.total, self.x, h.finest_segments, h.table, self.problem.channels)
         if self.exact:
-            kernels.subtract_image(
-                self.b, self.x, h.weight, h.diagonal, h.runs, h.run_start, h.table, channels, False
-            )
+            self._residual(keep=False)
         else:
             self.assemble()
         self.x[: self.total.size] = 0
 
     def least_error(self) -> float:
         """A lower bound of the largest error, from the true residual, in float64."""
+        return self._residual(keep=True) / LARGEST_ROW_SUM
+
+    def _residual(self, *, keep: bool) -> float:
         h = self.hierarchy
-        largest = kernels.subtract_image(
-            self.b, self.x, h.weight, h.diagonal, h.runs, h.run_start, h.table, self.problem.channels, True
-        )
-        return float(largest) / LARGEST_ROW_SUM
+        scratch64 = np.empty(LONGEST_SEGMENT)
+        where = h.weight, h.diagonal, h.finest_segments, h.table, self.problem.channels
+        bits = kernels.subtract_image(self.b, scratch64, self.x, *where, keep)
+        return float(np.int64(bits).view(np.float64))
 
     def solution(self) -> Values:
         """The problem's values plus the correction; outside the region the same bits."""
         problem, h = self.problem, self.hierarchy
         solution = problem.values.copy()
         view = _with_channels(solution)
-        kernels.add_solution(view, self.total, self.x, h.region, h.runs, h.run_start, h.table)
+        kernels.add_solution(view, self.total, self.x, h.weight, h.finest_runs, h.table)
         if problem.floating:
             drift = view.mean((0, 1), dtype=np.float64) - _with_channels(problem.values).mean((0, 1), dtype=np.float64)
             view -= drift.astype(view.dtype)

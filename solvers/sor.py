@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from solvers import kernels
-from solvers.layout import HEIGHT
+from solvers.kernels.cycle import BLACK, RED, relax_over
 from solvers.problem import PoissonProblem
 from solvers.refinement import Correction, solve_in_stages
 from solvers.result import SolveResult
@@ -67,7 +66,7 @@ def solve_sor(
     correction = Correction.of(problem)
     h, channels = correction.hierarchy, problem.channels
     factor = np.float32(best_omega(h) if omega is None else omega)
-    height = int(h.table[0, HEIGHT])
+    segments = h.finest_segments
     sweeps = min(max_iterations, max(1, round(SPAN / (2 - float(factor)))))
     x = correction.x[: correction.total.size]
     before = np.empty_like(x)
@@ -75,10 +74,8 @@ def solve_sor(
     def step() -> float:
         before[:] = x
         for _ in range(sweeps):
-            for colour in (kernels.RED, kernels.BLACK):
-                kernels.relax_over(
-                    correction.x, correction.b, h.weight, h.runs, h.run_start, h.table, channels, colour, factor, 0, height
-                )
+            for colour in (RED, BLACK):
+                relax_over(x, correction.b, h.weight, segments, h.table, channels, colour, factor, 0, len(segments))
         return float(np.abs(np.subtract(x, before, out=before), out=before).max())
 
     rates = [FIRST_RHO]

@@ -14,10 +14,10 @@ import math
 
 import numpy as np
 
-from solvers import kernels
 from solvers.cycles import Cycling
-from solvers.hierarchy import Float32, Hierarchy
-from solvers.layout import field
+from solvers.hierarchy import LONGEST_SEGMENT, Hierarchy
+from solvers.kernels.exact import subtract_image
+from solvers.layout import Float32, field
 
 STEPS = 6  # the Rayleigh quotient's error shrinks by about 0.15 per step; the guess is good from the start
 
@@ -33,6 +33,7 @@ def smallest_eigenvalue(hierarchy: Hierarchy) -> float:
     v, image = x[: h.finest_size], b[: h.finest_size]
     cycling = Cycling(h, "F", channels=1)
     v[:] = h.weight[: h.finest_size] > 0
+    scratch64 = np.empty(LONGEST_SEGMENT)
     eigenvalue = 1.0
     for _ in range(STEPS):
         v /= np.float32(math.sqrt(_dot(v, diagonal * v)))
@@ -40,7 +41,7 @@ def smallest_eigenvalue(hierarchy: Hierarchy) -> float:
         target = image.copy()
         v /= np.float32(eigenvalue)  # what A^-1 D v would be if v were the mode: the cycle mends the rest
         cycling.run(x, b)
-        kernels.subtract_image(b, x, h.weight, h.diagonal, h.runs, h.run_start, h.table, 1, False)
+        subtract_image(b, scratch64, x, h.weight, h.diagonal, h.finest_segments, h.table, 1, False)
         eigenvalue = _dot(v, target - image) / _dot(v, diagonal * v)
     return eigenvalue
 

@@ -1,0 +1,21 @@
+"""Every compiled kernel, and nothing else.
+
+`solvers.layout` says where a value lies; the names here are the same.  Arguments come in one order: what is written
+first, then what is read, then scalars.  Kernels validate nothing, allocate nothing and raise nothing.
+
+Rows are taken as slices ``v = X[o : o + n]`` and indexed by the plain loop variable: with a signed offset inside the
+index (``X[o + i]``) numba adds a wrap-around test to each access and LLVM no longer vectorises the loop.
+
+LLVM also gives up a loop that writes one array and reads so many others that it would need more than eight overlap
+tests.  Loops that read many arrays are therefore cut in two, with a stretch of `scratch` in between that stays in the
+first-level cache.
+
+A kernel that reports the largest change compares the bit patterns of absolute values as integers: that order is the
+order of the values, NaN and infinity stand above everything, so neither can hide, and it vectorises without `fastmath`.
+
+    setup     from a region to the coefficients of all levels
+    cycle     relaxation, restriction, interpolation, exact solution: the steps of a cycle
+    exact     between pictures and the layout, and between float32 and float64
+
+A module's kernels call no kernel of another module: numba's cache on disk does not see edits there.
+"""
