@@ -28,10 +28,16 @@ def averaged(destination: Values, source: Values) -> Guidance:
 
 def mixed(destination: Values, source: Values) -> Guidance:
     """The stronger of both gradients, pair by pair and channel by channel; the source's where they are equal (eq. 13)."""
-    return _by_pair(lambda f, g: np.where(np.abs(f) > np.abs(g), f, g), destination, source)
+    return _by_pair(_stronger, destination, source)
+
+
+def _stronger(f: Values, g: Values) -> Values:
+    np.copyto(g, f, where=np.abs(f) > np.abs(g))
+    return g
 
 
 def _by_pair(choose: Callable[[Values, Values], Values], destination: Values, source: Values) -> Guidance:
+    """A field chosen from both gradients; `choose` may write into its arguments."""
     f, g = Guidance.of(destination), Guidance.of(source)
     return Guidance(choose(f.across, g.across), choose(f.down, g.down))
 
