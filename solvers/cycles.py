@@ -16,9 +16,9 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from solvers.hierarchy import LONGEST_SEGMENT, Hierarchy
+from solvers.hierarchy import Hierarchy
 from solvers.kernels.cycle import COARSEST, DOWN, UP, run_steps
-from solvers.layout import LANES, STRIDE, Float32
+from solvers.layout import LANES, STRIDE, Float32, aligned_zeros
 
 Cycle = Literal["V", "F", "W"]
 CYCLES: tuple[Cycle, ...] = get_args(Cycle)
@@ -55,8 +55,9 @@ class Cycling:
         self.channels = channels
         self.names = [cycle]
         self.steps = steps_of(cycle, hierarchy.n_levels)
-        # A row of the finest level and a little more, or a segment.
-        self.scratch = np.zeros(max(int(hierarchy.table[0, STRIDE]) + LANES, LONGEST_SEGMENT), np.float32)
+        # A segment and a row of coarse cells with two more on each side, and the same again.
+        room = hierarchy.longest_segment + int(hierarchy.table[0, STRIDE]) + 2 * LANES
+        self.scratch = aligned_zeros(2 * room)
         self.scratch64 = np.zeros(len(hierarchy.coarsest.band), np.float64)
 
     def strengthen(self) -> None:

@@ -28,7 +28,7 @@ from solvers.layout import (
     whole_vectors,
 )
 
-EXACT_UNKNOWNS = 20  # a level with at most so many unknowns is solved directly,
+EXACT_UNKNOWNS = 64  # a level with at most so many unknowns is solved directly,
 EXACT_SIDE = 2  # and so is a level with a side this short: its matrix has a narrow band
 
 # Runs with fewer empty places between them are joined: sweeping those is cheaper than beginning a new run, and runs
@@ -36,7 +36,7 @@ EXACT_SIDE = 2  # and so is a level with a side this short: its matrix has a nar
 RUN_GAP = 2 * LANES
 
 SEGMENT_GAP = 4 * LANES  # the same across the ends of rows
-LONGEST_SEGMENT = 1024  # so that a stretch of scratch stays in the first-level cache
+LONGEST_SEGMENT = 1024  # places, unless a single run is longer: a stretch of scratch stays in the first-level cache
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Hierarchy:
         True = unknown.
     table : (n_levels + 1, 9) int64
         The layout.
-    runs, segments : (n, 3) int32, (n, 2) int64
+    runs, segments : (n, 3) int32, (n, 4) int64
         The places to visit, of all levels.
     weight, diagonal : float32
         Fields of one channel: the operator's diagonal, and its inverse (0 outside the region).
@@ -87,6 +87,11 @@ class Hierarchy:
     def finest_size(self) -> int:
         """Length of the finest level of a one-channel field."""
         return int(self.table[1, OFFSET])
+
+    @property
+    def longest_segment(self) -> int:
+        """In places."""
+        return int((self.segments[:, 1] - self.segments[:, 0]).max())
 
     @property
     def finest_runs(self) -> NDArray[np.int32]:
@@ -146,23 +151,23 @@ def build_hierarchy(region: NDArray[np.bool_]) -> Hierarchy:
     table = layout_table(shapes)
 
     runs = [_whole_vectors(level_runs) for level_runs in exact_runs]
-    segments = [_join(level_runs, int(stride)) for level_runs, stride in zip(runs, table[:-1, STRIDE], strict=True)]
     table[1:, FIRST_RUN] = np.cumsum([len(r) for r in runs])
+    segments = [_join(r, int(stride), int(first)) for r, stride, first in zip(runs, table[:, STRIDE], table[:, FIRST_RUN])]
     table[1:, FIRST_SEGMENT] = np.cumsum([len(s) for s in segments])
 
     weight, diagonal = field(table, 1), field(table, 1)
     setup.weigh_region(weight, diagonal, region, runs[0], table)
     unknowns = [int(np.count_nonzero(region))]
     conductances = [aligned_zeros(weight.size - int(table[1, OFFSET])) for _ in range(6)]
-    scratch = np.zeros(int(table[0, STRIDE]), np.float32)
+    scratch = aligned_zeros(13 * int(table[0, STRIDE]))
     for level in range(1, len(shapes)):
+        if unknowns[-1] <= EXACT_UNKNOWNS:
+            break
         if level == 1:
-            setup.coarsen_region(*conductances, region, runs[0], table)
+            setup.coarsen_region(*conductances, scratch, weight, runs[0], table)
         else:
             setup.coarsen(*conductances, scratch, runs[level - 1], table, level - 1)
         unknowns.append(int(setup.weigh(weight, diagonal, *conductances, segments[level], table, level)))
-        if unknowns[-1] <= EXACT_UNKNOWNS:
-            break
 
     # The depth was known only now: coarser levels, laid out above, are left out.
     n_levels = len(unknowns)
@@ -204,12 +209,10 @@ def _whole_vectors(runs: NDArray[np.int32]) -> NDArray[np.int32]:
     return widened
 
 
-def _join(runs: NDArray[np.int32], stride: int) -> NDArray[np.int64]:
+def _join(runs: NDArray[np.int32], stride: int, first_run: int) -> NDArray[np.int64]:
     """Segments of a level from its runs."""
-    none = np.zeros((0, 2), np.int64)
-    segments = np.zeros((setup.join_runs(none, runs, stride, SEGMENT_GAP, LONGEST_SEGMENT), 2), np.int64)
-    setup.join_runs(segments, runs, stride, SEGMENT_GAP, LONGEST_SEGMENT)
-    return segments
+    segments = np.zeros((len(runs), 4), np.int64)
+    return segments[: setup.join_runs(segments, runs, stride, first_run, SEGMENT_GAP, LONGEST_SEGMENT)]
 
 
 def plain_level(values: Float32, table: Table, level: int, skipped: int = 0) -> Float32:

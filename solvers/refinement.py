@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.hierarchy import LONGEST_SEGMENT, Hierarchy, build_hierarchy
+from solvers.hierarchy import Hierarchy, build_hierarchy
 from solvers.kernels import exact as kernels
 from solvers.layout import Float32, field
 from solvers.problem import PoissonProblem, Values
@@ -98,7 +98,7 @@ class Correction:
 
     def _residual(self, *, keep: bool) -> float:
         h = self.hierarchy
-        scratch64 = np.empty(LONGEST_SEGMENT)
+        scratch64 = np.empty(h.longest_segment)
         where = h.weight, h.diagonal, h.finest_segments, h.table, self.problem.channels
         bits = kernels.subtract_image(self.b, scratch64, self.x, *where, keep)
         return float(np.int64(bits).view(np.float64))

@@ -15,7 +15,7 @@ import math
 import numpy as np
 
 from solvers.cycles import Cycling
-from solvers.hierarchy import LONGEST_SEGMENT, Hierarchy
+from solvers.hierarchy import Hierarchy
 from solvers.kernels.exact import subtract_image
 from solvers.layout import Float32, field
 
@@ -33,7 +33,7 @@ def smallest_eigenvalue(hierarchy: Hierarchy) -> float:
     v, image = x[: h.finest_size], b[: h.finest_size]
     cycling = Cycling(h, "F", channels=1)
     v[:] = h.weight[: h.finest_size] > 0
-    scratch64 = np.empty(LONGEST_SEGMENT)
+    scratch64 = np.empty(h.longest_segment)
     eigenvalue = 1.0
     for _ in range(STEPS):
         v /= np.float32(math.sqrt(_dot(v, diagonal * v)))

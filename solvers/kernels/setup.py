@@ -85,30 +85,30 @@ def coarsen_runs(runs, fine, gap):
 
 
 @jit
-def join_runs(segments, runs, stride, gap, longest):
+def join_runs(segments, runs, stride, first_run, gap, longest):
     """Segments of a level from its runs; returns their number.
 
-    segments: (n, 2) int64, written as far as it goes.  gap: runs with fewer places between them are joined.  longest: no
-    segment is longer.
+    segments: (n, 4) int64, written as far as it goes.  gap: runs with fewer places between them are joined, unless the
+    segment would grow beyond `longest`.  first_run: number of the level's first run.
     """
     room = segments.shape[0]
     count = 0
     start = end = np.int64(-1)
+    first = 0
     for k in range(runs.shape[0] + 1):
+        low = high = np.int64(0)
         if k < runs.shape[0]:
             low = (np.int64(runs[k, 0]) + 1) * stride + runs[k, 1]
             high = low + runs[k, 2] - runs[k, 1]
-            if start >= 0 and low - end < gap:
+            if start >= 0 and low - end < gap and high - start <= longest:
                 end = high
                 continue
         if start >= 0:
-            while start < end:
-                if count < room:
-                    segments[count, 0], segments[count, 1] = start, min(end, start + longest)
-                count += 1
-                start += longest
-        if k < runs.shape[0]:
-            start, end = low, high
+            if count < room:
+                segments[count, 0], segments[count, 1] = start, end
+                segments[count, 2], segments[count, 3] = first_run + first, first_run + k
+            count += 1
+        start, end, first = low, high, k
     return count
 
 
@@ -163,53 +163,11 @@ def moved_near(g):
 
 
 @jit
-def is_known(region, row, col):
-    """1 where the image has a known pixel, 0 where the pixel is unknown or beyond the edge."""
-    if row < 0 or col < 0 or row >= region.shape[0] or col >= region.shape[1]:
-        return np.float32(0.0)
-    return np.float32(0.0) if region[row, col] else np.float32(1.0)
-
-
-@jit
-def is_unknown(region, row, col):
-    if row < 0 or col < 0 or row >= region.shape[0] or col >= region.shape[1]:
-        return np.float32(0.0)
-    return np.float32(1.0) if region[row, col] else np.float32(0.0)
-
-
-@jit
-def coarsen_region(edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, region, runs, table):
-    """Conductances of level 1 from the region: `coarsen` with all fine conductances 0 or 1.
-
-    The six fields begin at level 1 and hold zeros; they are written at the places of the finest level's `runs`, which are
-    the cells of level 1.
-    """
-    stride, size = table[1, STRIDE], table[1, QUARTER]
-    half, away, near = half_conductance(np.float32(1.0)), moved_away(np.float32(1.0)), moved_near(np.float32(1.0))
-    cols = table[0, COLS]
-    for k in range(runs.shape[0]):
-        row = np.int64(runs[k, 0])
-        n, s = 2 * row, 2 * row + 1
-        for col in range(runs[k, 1], min(np.int64(runs[k, 2]), cols)):
-            w, e = 2 * col, 2 * col + 1
-            nw, ne = is_unknown(region, n, w), is_unknown(region, n, e)
-            sw, se = is_unknown(region, s, w), is_unknown(region, s, e)
-            at = (2 * (row & 1) + (col & 1)) * size + (row // 2 + 1) * stride + col // 2
-            edge_e[at] = half * (ne * is_unknown(region, n, e + 1) + se * is_unknown(region, s, e + 1))
-            edge_s[at] = half * (sw * is_unknown(region, s + 1, w) + se * is_unknown(region, s + 1, e))
-            # A known value beside the block moves away from its centre, one inside the block comes nearer.
-            leak_n[at] = away * (nw * is_known(region, n - 1, w) + ne * is_known(region, n - 1, e)) + near * (
-                sw * is_known(region, n, w) + se * is_known(region, n, e)
-            )
-            leak_s[at] = away * (sw * is_known(region, s + 1, w) + se * is_known(region, s + 1, e)) + near * (
-                nw * is_known(region, s, w) + ne * is_known(region, s, e)
-            )
-            leak_w[at] = away * (nw * is_known(region, n, w - 1) + sw * is_known(region, s, w - 1)) + near * (
-                ne * is_known(region, n, w) + se * is_known(region, s, w)
-            )
-            leak_e[at] = away * (ne * is_known(region, n, e + 1) + se * is_known(region, s, e + 1)) + near * (
-                nw * is_known(region, n, e) + sw * is_known(region, s, e)
-            )
+def mark_unknown(marks, weight, at):
+    """marks = 1 where the weight is positive, else 0."""
+    w = weight[at : at + marks.shape[0]]
+    for i in range(marks.shape[0]):
+        marks[i] = np.float32(1.0) if w[i] > 0 else np.float32(0.0)
 
 
 @jit
@@ -219,6 +177,82 @@ def scatter_row(coarse, scratch, at, size, n):
     for i in range(n // 2):
         even[i] = scratch[2 * i]
         odd[i] = scratch[2 * i + 1]
+
+
+@jit
+def coarsen_region(edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, scratch, weight, runs, table):
+    """Conductances of level 1 from the region: `coarsen` with all fine conductances 0 or 1.
+
+    The six fields begin at level 1 and hold zeros; they are written at the places of the finest level's `runs`, which are
+    the cells of level 1.  weight: of the finest level, positive where unknown.  scratch: 13 rows of the finest level.
+    """
+    height, width, cols = table[0, HEIGHT], table[0, WIDTH], table[0, COLS]
+    stride, size = table[0, STRIDE], table[0, QUARTER]
+    coarse_stride, coarse_size = table[1, STRIDE], table[1, QUARTER]
+    one, zero = np.float32(1.0), np.float32(0.0)
+    half, away, near = half_conductance(one), moved_away(one), moved_near(one)
+    for k in range(runs.shape[0]):
+        row, low = np.int64(runs[k, 0]), np.int64(runs[k, 1])
+        n = np.int64(runs[k, 2]) - low
+        at = (row + 1) * stride + low
+        # 1 where unknown: the block's cells nw ne sw se, and around them n_w n_e (above), s_w s_e, w_n w_s, e_n e_s.
+        nw, ne, sw, se = scratch[:n], scratch[stride:][:n], scratch[2 * stride :][:n], scratch[3 * stride :][:n]
+        n_w, n_e = scratch[4 * stride :][:n], scratch[5 * stride :][:n]
+        s_w, s_e = scratch[6 * stride :][:n], scratch[7 * stride :][:n]
+        w_n, w_s = scratch[8 * stride :][:n], scratch[9 * stride :][:n]
+        e_n, e_s = scratch[10 * stride :][:n], scratch[11 * stride :][:n]
+        line = scratch[12 * stride :][:n]
+        mark_unknown(nw, weight, at)
+        mark_unknown(ne, weight, at + size)
+        mark_unknown(sw, weight, at + 2 * size)
+        mark_unknown(se, weight, at + 3 * size)
+        mark_unknown(n_w, weight, at + 2 * size - stride)
+        mark_unknown(n_e, weight, at + 3 * size - stride)
+        mark_unknown(s_w, weight, at + stride)
+        mark_unknown(s_e, weight, at + size + stride)
+        mark_unknown(w_n, weight, at + size - 1)
+        mark_unknown(w_s, weight, at + 3 * size - 1)
+        mark_unknown(e_n, weight, at + 1)
+        mark_unknown(e_s, weight, at + 2 * size + 1)
+        to = 2 * (row & 1) * coarse_size + (row // 2 + 1) * coarse_stride + low // 2
+
+        for i in range(n):
+            line[i] = half * (ne[i] * e_n[i] + se[i] * e_s[i])
+        scatter_row(edge_e, line, to, coarse_size, n)
+        for i in range(n):
+            line[i] = half * (sw[i] * s_w[i] + se[i] * s_e[i])
+        scatter_row(edge_s, line, to, coarse_size, n)
+
+        # A known value beside the block moves away from its centre, one inside the block comes nearer.  Beyond the edge of
+        # the image there is no value: nothing counts that would lie there.
+        beside = away if row > 0 else zero
+        for i in range(n):
+            line[i] = beside * (nw[i] * (one - n_w[i]) + ne[i] * (one - n_e[i]))
+        for i in range(n):
+            line[i] += near * (sw[i] * (one - nw[i]) + se[i] * (one - ne[i]))
+        scatter_row(leak_n, line, to, coarse_size, n)
+        beside = away if 2 * row + 2 < height else zero
+        within = near if 2 * row + 1 < height else zero
+        for i in range(n):
+            line[i] = beside * (sw[i] * (one - s_w[i]) + se[i] * (one - s_e[i]))
+        for i in range(n):
+            line[i] += within * (nw[i] * (one - sw[i]) + ne[i] * (one - se[i]))
+        scatter_row(leak_s, line, to, coarse_size, n)
+        for i in range(n):
+            line[i] = away * (nw[i] * (one - w_n[i]) + sw[i] * (one - w_s[i]))
+        for i in range(n):
+            line[i] += near * (ne[i] * (one - nw[i]) + se[i] * (one - sw[i]))
+        if low == 0:
+            line[0] -= away * (nw[0] + sw[0])
+        scatter_row(leak_w, line, to, coarse_size, n)
+        for i in range(n):
+            line[i] = away * (ne[i] * (one - e_n[i]) + se[i] * (one - e_s[i]))
+        for i in range(n):
+            line[i] += near * (nw[i] * (one - ne[i]) + sw[i] * (one - se[i]))
+        i = cols - 1 - low
+        if i < n:
+            line[i] -= near * (nw[i] + sw[i]) if width & 1 else away * (ne[i] + se[i])
+        scatter_row(leak_e, line, to, coarse_size, n)
 
 
 @jit
