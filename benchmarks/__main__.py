@@ -1,0 +1,101 @@
+"""`python -m benchmarks [paper | convergence | sizes | shapes]`: parse, limit the threads, hand over.
+
+Exit codes: 0 every answer was right, 1 some answer was wrong (the table says which), 2 usage.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import os
+import sys
+from pathlib import Path
+
+# Read by the libraries when they are loaded, so set before anything imports numpy.
+ONE_THREAD = (
+    "OMP_NUM_THREADS",
+    "OPENBLAS_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "BLIS_NUM_THREADS",
+    "VECLIB_MAXIMUM_THREADS",
+    "NUMBA_NUM_THREADS",
+)
+
+
+def parser() -> argparse.ArgumentParser:
+    top = argparse.ArgumentParser(
+        prog="python -m benchmarks",
+        description="Time poisson beside other tools, one thread each, and check every answer.",
+        epilog="Without a command: paper.",
+    )
+    shared = argparse.ArgumentParser(add_help=False)
+    shared.add_argument("--markdown", action="store_true", help="print tables for a README")
+
+    timed = argparse.ArgumentParser(add_help=False)
+    timed.add_argument(
+        "--rounds", type=int, default=9, metavar="N", help="interleaved rounds (default: %(default)s)"
+    )
+    timed.add_argument(
+        "--seconds",
+        type=float,
+        default=12.0,
+        metavar="S",
+        help="budget per row, three runs at least (default: %(default)s)",
+    )
+
+    peered = argparse.ArgumentParser(add_help=False)
+    peered.add_argument(
+        "--without",
+        action="append",
+        default=[],
+        metavar="WORD",
+        help="leave out rows with WORD in their name",
+    )
+
+    commands = top.add_subparsers(dest="command", metavar="COMMAND")
+    paper = commands.add_parser(
+        "paper",
+        parents=[shared, timed, peered],
+        help="the paper's case, a disk of 60,000 pixels in colour: everyone",
+    )
+    paper.add_argument("--slow", action="store_true", help="also run what takes more than a minute a time")
+    commands.add_parser("convergence", parents=[shared], help="convergence factor per region shape and cycle")
+    shapes = commands.add_parser(
+        "shapes", parents=[shared, timed], help="time and true error per region shape"
+    )
+    shapes.add_argument(
+        "--unknowns", type=int, default=60_000, metavar="N", help="pixels per shape (default: %(default)s)"
+    )
+    sizes = commands.add_parser(
+        "sizes", parents=[shared, timed, peered], help="figure: time against unknowns"
+    )
+    sizes.add_argument(
+        "figure", type=Path, nargs="?", metavar="PNG", help="write the figure here (default: table only)"
+    )
+    sizes.add_argument(
+        "--largest", type=int, default=4_000_000, metavar="N", help="unknowns (default: %(default)s)"
+    )
+    return top
+
+
+def main(argv: list[str]) -> int:
+    options_only = all(word.startswith("-") for word in argv[:1]) and argv[:1] not in (["-h"], ["--help"])
+    arguments = parser().parse_args(["paper", *argv] if options_only else argv)
+    for variable in ONE_THREAD:
+        os.environ[variable] = "1"
+    os.environ["ENABLE_TAICHI_HEADER_PRINT"] = (
+        "0"  # fpie imports taichi where it is installed; it greets on stdout
+    )
+    command = importlib.import_module(f"benchmarks.commands.{arguments.command}")
+    try:
+        wrong: list[str] = command.run(arguments)
+    except ModuleNotFoundError as missing:
+        print(f"benchmarks: {missing.name} is not installed: pip install '.[bench,demo]'", file=sys.stderr)
+        return 2
+    for line in wrong:
+        print(f"WRONG: {line}", file=sys.stderr)
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

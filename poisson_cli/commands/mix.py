@@ -1,0 +1,59 @@
+"""``poisson mix``: cloning with mixed gradients, eq. (13)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from poisson_cli import options
+from poisson_cli.params import FILE
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from poisson_cli.settings import Output, Placement, Reporting, Selection, Solver
+
+__all__ = ["command"]
+
+
+@click.command(short_help="Clone, keeping the stronger detail of the two pictures.")
+@click.argument("source", type=FILE)
+@click.argument("destination", type=FILE)
+@options.selection
+@options.placement
+@options.output
+@options.solver
+@options.reporting
+def command(
+    source: Path,
+    destination: Path,
+    placement: Placement,
+    selection: Selection,
+    solver: Solver,
+    output: Output,
+    reporting: Reporting,
+) -> None:
+    """Clone a selection of SOURCE into DESTINATION, keeping the stronger gradient of the two everywhere.
+
+    For what has holes or can be looked through: writing, a rainbow, smoke, a fence. The texture of DESTINATION shows
+    where SOURCE is plain.
+
+    \b
+    Example: handwriting onto a wall, the whole of note.png (400x300) at column 80, row 120:
+      poisson mix note.png wall.jpg --rect 0,0,400,300 --at 80,120 -o out.png
+    """
+    from poisson_cli import job, report
+
+    summary = job.run(
+        job.Job(
+            tool="mix",
+            source=source,
+            destination=destination,
+            selection=selection,
+            placement=placement,
+            solver=solver,
+            output=output,
+        )
+    )
+    report.tell(summary, reporting)

@@ -1,0 +1,16 @@
+"""Defaults that ``--help`` must show without importing what they belong to; tests hold each to its original."""
+
+from __future__ import annotations
+
+from typing import Final
+
+__all__ = ["CYCLE", "THRESHOLD", "TOLERANCE"]
+
+TOLERANCE: Final = 5e-4
+"""Largest error allowed in any pixel, in levels; that of ``solvers``."""
+
+CYCLE: Final = "F"
+"""Multigrid cycle; that of ``solvers``."""
+
+THRESHOLD: Final = 128
+"""8-bit value from which a pixel of a mask picture is selected."""

@@ -1,0 +1,98 @@
+"""Reading a picture file.
+
+The bytes are read here and handed to a decoder chosen by their magic number. A decoder never sees a path: it would
+also open addresses, archives and example pictures under that name, or trust the file's ending.
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+from pathlib import Path
+from typing import TYPE_CHECKING, cast
+
+import imageio.v3 as iio
+import numpy as np
+
+from poisson_cli.errors import InputError
+from poisson_cli.images.formats import Format, listed, recognise
+from poisson_cli.images.header import decoding, read_header
+from poisson_cli.images.orientation import upright
+from poisson_cli.images.picture import Picture
+
+if TYPE_CHECKING:
+    from imageio.plugins.pillow import PillowPlugin
+
+__all__ = ["decode", "read"]
+
+
+def read(path: Path) -> Picture:
+    """Read a picture from a file.
+
+    Parameters
+    ----------
+    path
+        A regular file, or a pipe.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, is not a picture, or holds one that would lose something (see `header`).
+    """
+    return decode(_read_bytes(path), str(path))
+
+
+def decode(data: bytes, name: str) -> Picture:
+    """Decode a picture.
+
+    Parameters
+    ----------
+    data
+        The whole file: PNG, JPEG, TIFF, BMP or WebP.
+    name
+        What to call it in messages.
+
+    Raises
+    ------
+    InputError
+        As `read`.
+    """
+    form = _recognised(data, name)
+    header = read_header(data, name, form)
+    with decoding(name, form), iio.imopen(data, "r", plugin="pillow") as opened:
+        file = cast("PillowPlugin", opened)
+        pixels = np.asarray(file.read(index=0, mode=header.mode), dtype=np.uint8)
+        # Asked for after decoding: by then the TIFF decoder has turned its picture and dropped the tag.
+        orientation = file.metadata(index=0, exclude_applied=False).get("Orientation", 1)
+        pixels = upright(pixels, orientation if isinstance(orientation, int) else 1)
+    alpha = None
+    if header.mode in ("LA", "RGBA"):
+        pixels, alpha = np.ascontiguousarray(pixels[..., :-1]), np.ascontiguousarray(pixels[..., -1])
+        if header.mode == "LA":
+            pixels = pixels[..., 0]
+    return Picture(name=name, pixels=pixels, alpha=alpha, profile=header.profile, palette=header.palette)
+
+
+def _recognised(data: bytes, name: str) -> Format:
+    known = recognise(data)
+    if isinstance(known, Format):
+        return known
+    if known is not None:
+        raise InputError(f"{name}: {known} is not read; convert it to one of {listed()}")
+    what = "not a picture" if data else "the file is empty"
+    raise InputError(f"{name}: {what}; {listed()} are read")
+
+
+def _read_bytes(path: Path) -> bytes:
+    try:
+        with open(path, "rb") as file:
+            kind = os.fstat(file.fileno()).st_mode
+            if stat.S_ISREG(kind) or stat.S_ISFIFO(kind):
+                return file.read()
+    except FileNotFoundError as error:
+        raise InputError(f"{path}: no such file") from error
+    except IsADirectoryError as error:
+        raise InputError(f"{path}: a folder, not a picture") from error
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
+    raise InputError(f"{path}: not a file with a picture in it")  # a device, which may never end

@@ -1,0 +1,143 @@
+"""The command line: the group of subcommands, and the one place where an exception becomes an exit code.
+
+``--help`` should answer at once, so neither this module nor a command imports anything at its top that only the work
+itself needs.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+from typing import TYPE_CHECKING
+
+import click
+
+from poisson_cli import __version__, commands, errors
+from poisson_cli.options import Chatter
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from types import FrameType
+
+__all__ = ["Terminated", "cli", "main", "run"]
+
+
+class Terminated(BaseException):
+    """SIGTERM arrived. Like `KeyboardInterrupt`, it passes every ``except Exception`` and runs every ``finally``."""
+
+
+class _CommandFolder(click.Group):
+    """A group whose commands are the modules of ``poisson_cli.commands``, each imported when it is asked for.
+
+    The file's name is the command's name; its attribute ``command`` is the command.
+    """
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        stems = (os.path.splitext(name) for name in os.listdir(commands.__path__[0]))
+        return sorted(stem for stem, ending in stems if ending == ".py" and not stem.startswith("_"))
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in self.list_commands(ctx):
+            return None
+        module = importlib.import_module(f"{commands.__name__}.{cmd_name}")
+        command: click.Command = module.command
+        return command
+
+
+@click.group(
+    cls=_CommandFolder, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100}
+)
+@click.version_option(__version__, prog_name="poisson")
+def cli() -> None:
+    """Edit photographs by their gradients, exactly: seamless cloning, mixing and filling
+    (Perez, Gangnet and Blake, Poisson Image Editing, 2003).
+
+    Only the pixels that you select change. All others keep their values, bit for bit.
+
+    \b
+    Example:
+      poisson clone bird.jpg sky.png -m bird-mask.png --at 320,40 -o out.png
+    """
+
+
+def run(argv: Sequence[str]) -> int:
+    """Run one command line in this process.
+
+    Errors are printed as the real process prints them. An interrupt is not one of them: `KeyboardInterrupt` and
+    `Terminated` pass through, because they are meant for the whole process.
+
+    Parameters
+    ----------
+    argv
+        The words after ``poisson``.
+
+    Returns
+    -------
+    int
+        The exit code; see `poisson_cli.errors`.
+    """
+    chatter = Chatter(verbose=bool(os.environ.get("POISSON_TRACEBACK")))
+    try:
+        with cli.make_context("poisson", list(argv), obj=chatter) as context:
+            cli.invoke(context)
+    except click.exceptions.Exit as stop:  # --help and --version end this way
+        return stop.exit_code
+    except click.ClickException as error:
+        error.show()
+        return error.exit_code
+    except errors.PoissonError as error:
+        _print_error(str(error))
+        return error.exit_code
+    except BrokenPipeError:
+        return errors.BROKEN_PIPE
+    except MemoryError:
+        _print_error("not enough memory for pictures of this size")
+        return errors.BUG
+    except Exception as error:
+        if chatter.verbose:
+            import traceback
+
+            traceback.print_exc()
+            _print_error(
+                f"unexpected {type(error).__name__}; this is a bug, please report it with the lines above"
+            )
+        else:
+            _print_error(
+                f"unexpected {type(error).__name__}: {error}; this is a bug, -v shows where it happened"
+            )
+        return errors.BUG
+    return errors.DONE
+
+
+def main() -> None:
+    """Be the process ``poisson``: run the command line and exit with its code."""
+    if "_POISSON_COMPLETE" in os.environ:  # a shell asks what could come next
+        cli.main(prog_name="poisson")
+    import signal
+
+    signal.signal(signal.SIGTERM, _raise_terminated)
+    try:
+        code = run(sys.argv[1:])
+        sys.stdout.flush()
+    except KeyboardInterrupt:
+        _print_error("interrupted")
+        code = errors.INTERRUPTED
+    except Terminated:
+        _print_error("terminated")
+        code = errors.TERMINATED
+    except BrokenPipeError:
+        code = errors.BROKEN_PIPE
+    if code == errors.BROKEN_PIPE:
+        # The interpreter flushes once more as it ends, and would complain.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    sys.exit(code)
+
+
+def _raise_terminated(_signal: int, _frame: FrameType | None) -> None:
+    raise Terminated
+
+
+def _print_error(message: str) -> None:
+    """One line on stderr, whatever line breaks the message has."""
+    click.echo(f"poisson: error: {' '.join(message.split())}", err=True)

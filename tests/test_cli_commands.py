@@ -1,0 +1,339 @@
+"""Every command does what the function of the same name does, whatever its options, and says so."""
+
+import itertools
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from poisson_cli import editing
+from tests.small_pictures import (
+    ALPHA,
+    DESTINATION,
+    DESTINATION_MASK,
+    GREY,
+    MASK,
+    SOURCE,
+    encoded,
+    load,
+)
+
+CLONE = ("clone", "source.png", "destination.png", "-m", "mask.png")
+MIX = ("mix", "source.png", "destination.png", "-m", "mask.png")
+FILL = ("fill", "destination.png", "-m", "dest-mask.png")
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (CLONE, lambda: editing.clone(DESTINATION, SOURCE, MASK)),
+        (MIX, lambda: editing.mix(DESTINATION, SOURCE, MASK)),
+        (FILL, lambda: editing.fill(DESTINATION, DESTINATION_MASK)),
+    ],
+    ids=["clone", "mix", "fill"],
+)
+def test_defaults_are_those_of_the_function(folder, poisson, words, expected):
+    ran = poisson(*words, "-o", "out.png")
+    assert (ran.code, ran.out) == (0, "")
+    edit = expected()
+    np.testing.assert_array_equal(load("out.png"), edit.image)
+    assert not np.array_equal(edit.image, DESTINATION)
+
+
+def all_pairs(choices: dict[str, list]) -> list[dict]:
+    """Few enough combinations that every pair of values of different options occurs in one of them."""
+    names = list(choices)
+    wanted = {
+        ((a, x), (b, y))
+        for a, b in itertools.combinations(names, 2)
+        for x in range(len(choices[a]))
+        for y in range(len(choices[b]))
+    }
+    rng = np.random.default_rng(0)
+    rows = []
+    while wanted:
+        candidates = [{name: int(rng.integers(len(choices[name]))) for name in names} for _ in range(60)]
+        (a, x), (b, y) = min(wanted)
+        for candidate in candidates:
+            candidate[a], candidate[b] = x, y
+        pairs = [set(itertools.combinations(candidate.items(), 2)) & wanted for candidate in candidates]
+        best = max(range(len(candidates)), key=lambda i: len(pairs[i]))
+        wanted -= pairs[best]
+        rows.append({name: choices[name][i] for name, i in candidates[best].items()})
+    return rows
+
+
+# Each value: words on the command line, and what they mean to the function (or to the test, under a name in capitals).
+PLACEMENTS = [
+    ([], {}),
+    (["--at", "-9,-6"], {"offset": (-6, -9)}),
+    (["--at=30,25"], {"offset": (25, 30)}),
+]
+SELECTIONS = [
+    (["-m", "{mask}"], {"SHAPES": ["mask"]}),
+    (["--rect", "3,4,20,12"], {"SHAPES": ["rectangle"]}),
+    (["-m", "{mask}", "--rect", "-5,-5,20,12"], {"SHAPES": ["mask", "overhang"]}),
+]
+SOLVERS = [
+    ([], {}),
+    (["--cycle", "V"], {"cycle": "V"}),
+    (["--cycle", "W"], {"cycle": "W"}),
+    (["--solver", "sor"], {"solver": "sor"}),
+    (["--solver", "multigrid", "--cycle", "W"], {"cycle": "W"}),
+]
+INVERSIONS = [([], {}), (["--invert-mask"], {"INVERT": True})]
+THRESHOLDS = [([], {"THRESHOLD": 128}), (["--mask-threshold", "40"], {"THRESHOLD": 40})]
+TOLERANCES = [([], {}), (["--tolerance", "1e-5"], {"tolerance": 1e-5})]
+LIMITS = [([], {}), (["--max-iterations", "20000"], {"max_iterations": 20000})]
+THREADS = [([], {}), (["--threads", "2"], {"threads": 2})]
+REPORTS = [
+    ([], {}),
+    (["-q"], {}),
+    (["-v"], {}),
+    (["--json"], {}),
+    (["-q", "--json"], {}),
+    (["-v", "--json"], {}),
+]
+OUTPUTS = [
+    (["-o", "out.png"], {}),
+    (["-o", "out.tif", "--overwrite"], {}),
+    (["-o", "old.bmp", "--overwrite"], {}),
+    (["-o", "out.WebP"], {}),
+]
+SHARED = {
+    "selection": SELECTIONS,
+    "invert": INVERSIONS,
+    "threshold": THRESHOLDS,
+    "solver": SOLVERS,
+    "tolerance": TOLERANCES,
+    "limit": LIMITS,
+    "threads": THREADS,
+    "report": REPORTS,
+    "output": OUTPUTS,
+}
+PLACED = {
+    **SHARED,
+    "at": PLACEMENTS,
+    "mask_on": [
+        ([], {"mask_on": "source"}),
+        (["--mask-on", "source"], {"mask_on": "source"}),
+        (["--mask-on", "destination"], {"mask_on": "destination"}),
+    ],
+}
+CLONED = {
+    **PLACED,
+    "gradients": [
+        ([], {}),
+        (["--gradients", "source"], {}),
+        (["--gradients", "average"], {"gradients": "average"}),
+    ],
+    "monochrome": [([], {}), (["--monochrome"], {"monochrome": True})],
+}
+
+
+def soft(mask: np.ndarray) -> np.ndarray:
+    """A mask with a rim of 60 around it, which only a low threshold selects."""
+    rim = mask.copy()
+    rim[1:] |= mask[:-1]
+    return np.where(mask, 200, np.where(rim, 60, 0)).astype(np.uint8)
+
+
+def expected_mask(meaning: dict, mask: np.ndarray) -> np.ndarray:
+    selected = np.zeros(mask.shape, bool)
+    for shape in meaning.pop("SHAPES"):
+        if shape == "mask":
+            selected |= soft(mask) >= meaning["THRESHOLD"]
+        elif shape == "rectangle":
+            selected[4:16, 3:23] = True
+        else:
+            selected[:7, :15] = True
+    del meaning["THRESHOLD"]
+    return ~selected if meaning.pop("INVERT", False) else selected
+
+
+def ids(row: dict) -> str:
+    return " ".join(" ".join(words) for words, _ in row.values())
+
+
+def split(row: dict, mask_name: str) -> tuple[list[str], dict]:
+    words = [word.format(mask=mask_name) for option, _ in row.values() for word in option]
+    meaning = {name: value for _, option in row.values() for name, value in option.items()}
+    return words, meaning
+
+
+def check_saved(folder: Path, words: list[str], image: np.ndarray, existing: set[Path]) -> None:
+    output = folder / words[words.index("-o") + 1]
+    np.testing.assert_array_equal(load(output), image)
+    assert set(folder.iterdir()) == {*existing, output}
+
+
+@pytest.mark.parametrize("row", all_pairs(CLONED), ids=ids)
+@pytest.mark.parametrize("tool", ["clone", "mix"])
+def test_options_of_clone_and_mix_mean_what_the_keywords_mean(folder, poisson, row, tool):
+    if tool == "mix":
+        row = {name: value for name, value in row.items() if name in PLACED}
+    Path("on-source.png").write_bytes(encoded(soft(MASK)))
+    Path("on-destination.png").write_bytes(encoded(soft(DESTINATION_MASK)))
+    Path("old.bmp").write_bytes(b"old")
+    existing = set(folder.iterdir())
+    words, meaning = split(row, "on-{}.png".format("destination" if "destination" in ids(row) else "source"))
+    mask = expected_mask(meaning, MASK if meaning["mask_on"] == "source" else DESTINATION_MASK)
+
+    ran = poisson(tool, "source.png", "destination.png", *words)
+
+    assert ran.code == 0, ran.err
+    check_saved(folder, words, getattr(editing, tool)(DESTINATION, SOURCE, mask, **meaning).image, existing)
+    assert bool(ran.out) == ("--json" in words)
+    assert len(ran.err.splitlines()) == (0 if "-q" in words else 7 if "-v" in words else 1)
+
+
+@pytest.mark.parametrize("row", all_pairs(SHARED), ids=ids)
+def test_options_of_fill_mean_what_the_keywords_mean(folder, poisson, row):
+    Path("on-image.png").write_bytes(encoded(soft(DESTINATION_MASK)))
+    Path("old.bmp").write_bytes(b"old")
+    existing = set(folder.iterdir())
+    words, meaning = split(row, "on-image.png")
+    mask = expected_mask(meaning, DESTINATION_MASK)
+
+    ran = poisson("fill", "destination.png", *words)
+
+    assert ran.code == 0, ran.err
+    check_saved(folder, words, editing.fill(DESTINATION, mask, **meaning).image, existing)
+
+
+def test_pairs_are_complete():
+    for choices in (SHARED, CLONED):
+        rows = [ids(row) for row in all_pairs(choices)]
+        values = {
+            name: [" ".join(words) for words, _ in options if words] for name, options in choices.items()
+        }
+        for a, b in itertools.combinations(values, 2):
+            for x, y in itertools.product(values[a], values[b]):
+                assert any(x in row and y in row for row in rows), (x, y)
+
+
+def test_one_line_says_what_was_done(folder, poisson):
+    rows, cols = np.nonzero(MASK)
+    assert (rows.min(), np.ptp(rows) + 1, cols.min(), np.ptp(cols) + 1) == (5, 15, 6, 19)
+    ran = poisson(*CLONE, "--at", "-2,3", "-o", "out.png")
+    assert re.fullmatch(
+        rf"clone: {MASK.sum():,} pixels at 4,8 \(19x15\), multigrid F x \d+, error < 0\.000\d levels, "
+        r"(\d+ values? clipped, )?\d+ ms -> out\.png\n",
+        ran.err,
+    )
+
+
+def test_quiet_says_nothing(folder, poisson):
+    assert poisson(*FILL, "-o", "out.png", "-q") == (0, "", "")
+
+
+def test_verbose_says_more(folder, poisson):
+    ran = poisson(*CLONE, "--at", "30,0", "-o", "out.png", "-v")
+    first, *rest = ran.err.splitlines()
+    assert first.startswith("clone: ")
+    assert [text.split()[0] for text in rest] == [
+        "selected",
+        "mismatch",
+        "method",
+        "error",
+        "clipped",
+        "stages",
+    ]
+    assert re.search(rf"selected +{MASK.sum()} pixels, \d+ of them inside the picture", rest[0])
+    assert re.search(r"stages +read .* ms, select .* ms, guidance .*, solve .*, paste .*, write .*", rest[-1])
+
+
+def test_json_is_one_object_with_everything(folder, poisson):
+    ran = poisson(*CLONE, "--at", "-12,5", "-o", "out.png", "--json", "--tolerance", "0.001")
+    told = json.loads(ran.out)
+    assert ran.out.count("\n") == 1
+    report = editing.clone(DESTINATION, SOURCE, MASK, offset=(5, -12), tolerance=0.001).report
+    seconds = told.pop("seconds")
+    assert told == {
+        "tool": "clone",
+        "output": "out.png",
+        "region": int(MASK.sum()),
+        "rectangle": {"x": 0, "y": 10, "width": 13, "height": 15},
+        "unknowns": report.unknowns,
+        "solver": "multigrid",
+        "cycle": "F",
+        "method": "multigrid F",
+        "iterations": report.iterations,
+        "tolerance": 0.001,
+        "error_estimate": report.error_estimate,
+        "floating": False,
+        "boundary_mismatch": list(report.boundary_mismatch),
+        "clipped": report.clipped,
+        "profile_dropped": False,
+    }
+    assert told["unknowns"] < told["region"]
+    assert list(seconds) == ["read", "select", "guidance", "solve", "paste", "write", "total"]
+    assert seconds["total"] == pytest.approx(sum(seconds.values()) / 2)
+
+
+def test_json_of_a_tool_without_source_and_of_sor(folder, poisson):
+    told = json.loads(poisson(*FILL, "-o", "out.png", "--json", "--solver", "sor").out)
+    assert (told["boundary_mismatch"], told["solver"], told["cycle"]) == (None, "sor", None)
+
+
+def test_a_picture_without_known_pixels_is_said_in_the_line(folder, poisson):
+    ran = poisson("fill", "grey.png", "--rect", "0,0,48,40", "-o", "out.png")
+    assert "no known pixel around a part: its mean is kept" in ran.err
+
+
+def test_clipped_values_are_said_in_the_line(folder, poisson):
+    rng = np.random.default_rng(1)
+    Path("harsh.png").write_bytes(encoded(rng.integers(0, 2, (24, 30), np.uint8) * 255))
+    ran = poisson("clone", "harsh.png", "grey.png", "-m", "mask.png", "-o", "out.png")
+    clipped = editing.clone(GREY, load("harsh.png"), MASK).report.clipped
+    assert clipped > 1
+    assert f", {clipped:,} values clipped, " in ran.err
+
+
+def test_masks_are_joined(folder, poisson):
+    left, right = np.zeros((2, 40, 48), np.uint8)
+    left[5:20, 4:10] = right[12:30, 8:40] = 255
+    Path("left.png").write_bytes(encoded(left))
+    Path("right.png").write_bytes(encoded(right))
+    assert poisson("fill", "grey.png", "-m", "left.png", "--mask", "right.png", "-o", "out.png").code == 0
+    np.testing.assert_array_equal(load("out.png"), editing.fill(GREY, (left | right) > 0).image)
+
+
+def test_alpha_of_the_destination_is_kept(folder, poisson):
+    assert poisson("clone", "source.png", "alpha.png", "-m", "mask.png", "-o", "out.png").code == 0
+    out = load("out.png")
+    np.testing.assert_array_equal(out[..., 3], ALPHA[..., 3])
+    np.testing.assert_array_equal(out[..., :3], editing.clone(DESTINATION, SOURCE, MASK).image)
+
+
+def test_grey_source_into_colour_and_colour_into_grey(folder, poisson):
+    Path("note.png").write_bytes(encoded(SOURCE[:, :, 0]))
+    assert poisson("mix", "note.png", "destination.png", "-m", "mask.png", "-o", "colour.png").code == 0
+    np.testing.assert_array_equal(load("colour.png"), editing.mix(DESTINATION, SOURCE[:, :, 0], MASK).image)
+    ran = poisson("clone", "source.png", "grey.png", "-m", "mask.png", "--monochrome", "-o", "grey-out.png")
+    assert ran.code == 0
+    np.testing.assert_array_equal(
+        load("grey-out.png"), editing.clone(GREY, SOURCE, MASK, monochrome=True).image
+    )
+
+
+def test_an_opaque_alpha_of_the_source_is_no_obstacle(folder, poisson):
+    Path("opaque.png").write_bytes(encoded(np.dstack((SOURCE, np.full(SOURCE.shape[:2], 255, np.uint8)))))
+    assert poisson("clone", "opaque.png", "destination.png", "-m", "mask.png", "-o", "out.png").code == 0
+    np.testing.assert_array_equal(load("out.png"), editing.clone(DESTINATION, SOURCE, MASK).image)
+
+
+def test_the_output_may_replace_an_input(folder, poisson):
+    ran = poisson("fill", "destination.png", "-m", "dest-mask.png", "-o", "destination.png", "--overwrite")
+    assert ran.code == 0
+    np.testing.assert_array_equal(load("destination.png"), editing.fill(DESTINATION, DESTINATION_MASK).image)
+
+
+def test_a_profile_that_the_format_cannot_hold_is_said_to_be_dropped(folder, poisson):
+    Path("tagged.png").write_bytes(encoded(DESTINATION, icc_profile=b"a profile"))
+    assert (
+        "colour profile dropped" in poisson("fill", "tagged.png", "-m", "dest-mask.png", "-o", "out.bmp").err
+    )
+    assert "profile" not in poisson("fill", "tagged.png", "-m", "dest-mask.png", "-o", "out.png").err

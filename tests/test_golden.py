@@ -1,0 +1,109 @@
+"""Every golden case, and the harness that keeps them: see `tests.golden`."""
+
+import numpy as np
+import pytest
+
+import poisson_cli
+from tests.golden import Stored, all_cases
+from tests.golden.__main__ import main
+from tests.golden.case import read_png, write_png
+from tests.photographs import crop
+from tests.regions import lasso
+
+every_case = pytest.mark.parametrize("folder", all_cases(), ids=lambda folder: folder.name)
+
+
+@every_case
+def test_golden(folder, tmp_path):
+    stored = Stored.load(folder)
+    case = stored.case
+    stored.check(getattr(poisson_cli, case.tool)(*case.pictures, case.mask, **case.arguments), tmp_path)
+
+
+@every_case
+def test_the_expected_picture_is_the_oracles(folder, tmp_path):
+    """Nobody mended a failure by storing what our code gave."""
+    stored = Stored.load(folder)
+    stored.check(stored.case.expected, tmp_path)
+    np.testing.assert_array_equal(stored.near_ties, stored.case.near_ties())
+
+
+@every_case
+def test_a_case_is_small(folder):
+    assert sum(path.stat().st_size for path in folder.iterdir()) < 40_000
+
+
+def test_there_are_cases():
+    assert len(all_cases()) >= 8
+
+
+# --- the harness ------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def inputs(tmp_path):
+    """Three files as a user of `add` has them."""
+    write_png(tmp_path / "d.png", crop("coffee.png", 30, 40, top=150))
+    write_png(tmp_path / "s.png", crop("astronaut.png", 30, 40))
+    write_png(tmp_path / "m.png", lasso(30, 40).astype(np.uint8) * 255)
+    return tmp_path
+
+
+def add(folder, *arguments):
+    files = [f"--{name}={folder / name[0]}.png" for name in ("destination", "source", "mask")]
+    main([f"--cases={folder / 'cases'}", "add", "new", *arguments, *files])
+    return folder / "cases" / "new"
+
+
+def test_a_case_that_was_added_passes(inputs):
+    stored = Stored.load(add(inputs, "clone", "--offset", "4", "-6", "--gradients", "average"))
+    assert stored.case.arguments == {"offset": (4, -6), "gradients": "average"}
+    edited = poisson_cli.clone(*stored.case.pictures, stored.case.mask, offset=(4, -6), gradients="average")
+    stored.check(edited, inputs)
+
+
+def test_adding_twice_is_refused(inputs):
+    add(inputs, "mix")
+    with pytest.raises(SystemExit, match="exists"):
+        add(inputs, "mix")
+
+
+def test_a_fill_with_a_source_is_refused(inputs):
+    with pytest.raises(SystemExit, match="source"):
+        add(inputs, "fill")
+
+
+def test_refreshing_makes_the_expected_picture_anew(inputs):
+    folder = add(inputs, "mix")
+    right = read_png(folder / "expected.png")
+    write_png(folder / "expected.png", np.zeros_like(right))
+    main([f"--cases={inputs / 'cases'}", "refresh", "new"])
+    np.testing.assert_array_equal(read_png(folder / "expected.png"), right)
+
+
+def test_a_failure_says_where_and_leaves_two_pictures(inputs):
+    stored = Stored.load(add(inputs, "mix"))
+    wrong = stored.expected.copy()
+    wrong[7, 9, 1] ^= 0x40
+    wrong[8, 9, 2] ^= 1
+    with pytest.raises(AssertionError) as failure:
+        stored.check(wrong, inputs)
+    message = str(failure.value)
+    assert "2 values differ" in message and "row 7, column 9, channel 1" in message
+    assert f"{wrong[7, 9, 1]} instead of {stored.expected[7, 9, 1]}" in message
+    np.testing.assert_array_equal(read_png(inputs / "actual.png"), wrong)
+    difference = read_png(inputs / "difference.png")
+    assert difference[7, 9, 1] == 255 and difference[8, 9, 2] == 3 and np.count_nonzero(difference) == 2
+
+
+def test_a_near_tie_may_go_either_way_but_by_one_only(inputs):
+    stored = Stored.load(add(inputs, "mix"))
+    tie = Stored(stored.case, stored.expected, np.array([[7, 9, 1]]))
+    other = stored.expected.copy()
+    other[7, 9, 1] ^= 1
+    tie.check(other, inputs)
+    with pytest.raises(AssertionError, match="1 values differ"):
+        stored.check(other, inputs)
+    other[7, 9, 1] ^= 16
+    with pytest.raises(AssertionError, match="row 7"):
+        tie.check(other, inputs)

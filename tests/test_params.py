@@ -1,0 +1,125 @@
+"""Command-line values: X,Y becomes row, column, here and nowhere else."""
+
+import inspect
+from pathlib import Path
+
+import click
+import pytest
+
+from poisson_cli import editing, params
+from poisson_cli.editing.solving import solve
+from poisson_cli.settings import Placement, Rectangle, Selection, Solver
+
+
+@pytest.mark.parametrize(
+    ("text", "row_col"),
+    [
+        ("40,-12", (-12, 40)),
+        ("-5,3", (3, -5)),
+        ("0,0", (0, 0)),
+        ("+7,08", (8, 7)),
+        (" 1 , 2 ", (2, 1)),
+        ("999999999,-999999999", (-999999999, 999999999)),
+    ],
+)
+def test_points(text, row_col):
+    assert params.POINT.convert(text, None, None) == row_col
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        ",",
+        "1",
+        "1,",
+        ",1",
+        "1,2,3",
+        "1;2",
+        "1.0,2",
+        "1e3,2",
+        "0x1,2",
+        "one,two",
+        "1_0,2",
+        "١,2",
+        "1234567890,1",
+        "--1,2",
+        "1 2,3",
+    ],
+)
+def test_what_is_no_point(text):
+    with pytest.raises(click.BadParameter, match="is not X,Y: whole numbers of pixels, for example 40,-12"):
+        params.POINT.convert(text, None, None)
+
+
+def test_rectangles():
+    expected = Rectangle(row=-2, col=1, height=4, width=3)
+    assert params.RECTANGLE.convert("1,-2,3,4", None, None) == expected
+    assert params.RECTANGLE.convert(expected, None, None) is expected
+
+
+@pytest.mark.parametrize("text", ["1,2,0,4", "1,2,3,0", "1,2,-3,4"])
+def test_rectangles_without_area(text):
+    with pytest.raises(click.BadParameter, match="W and H must be at least 1"):
+        params.RECTANGLE.convert(text, None, None)
+
+
+@pytest.mark.parametrize("words", [["--at", "-5,3"], ["--at=-5,3"]])
+def test_negative_numbers_are_no_options(words):
+    seen = []
+    at = click.Option(["--at"], type=params.POINT)
+    click.Command("c", params=[at], callback=lambda at: seen.append(at)).main(words, standalone_mode=False)
+    assert seen == [(3, -5)]
+
+
+@pytest.mark.parametrize(("text", "number"), [("1e-3", 1e-3), ("5", 5.0), ("0.0001", 1e-4)])
+def test_positive_numbers(text, number):
+    assert params.POSITIVE.convert(text, None, None) == number
+
+
+@pytest.mark.parametrize("text", ["nan", "inf", "-inf", "0", "-0.0", "-1", "", "tiny", "1e999"])
+def test_what_is_no_positive_number(text):
+    with pytest.raises(click.BadParameter, match="is not a number greater than 0"):
+        params.POSITIVE.convert(text, None, None)
+
+
+@pytest.mark.parametrize(("text", "number"), [("1", 1), ("255", 255), ("+12", 12)])
+def test_whole_numbers(text, number):
+    assert params.EIGHT_BIT.convert(text, None, None) == number
+
+
+@pytest.mark.parametrize("text", ["0", "256", "-1", "1.5", "", "x"])
+def test_what_is_out_of_range(text):
+    with pytest.raises(click.BadParameter, match="is not a whole number from 1 to 255"):
+        params.EIGHT_BIT.convert(text, None, None)
+
+
+def default(function, name: str) -> object:
+    return inspect.signature(function).parameters[name].default
+
+
+def test_settings_have_the_defaults_of_the_functions():
+    """What is not said on the command line means what it means when it is not said in Python."""
+    solver = Solver()
+    for name in ("solver", "cycle", "tolerance", "max_iterations", "threads"):
+        assert getattr(solver, name) == default(solve, name), name
+    for tool in (editing.clone, editing.mix):
+        assert Placement().offset == default(tool, "offset")
+        assert Placement().mask_on == default(tool, "mask_on")
+
+
+def test_options_have_the_defaults_of_the_settings():
+    from poisson_cli.commands.clone import command
+
+    words = "a.png b.png -m m.png -o o.png".split()
+    given = command.make_context("clone", words).params
+    solver = Solver(
+        **{name: given[name] for name in ("solver", "cycle", "tolerance", "max_iterations", "threads")}
+    )
+    assert solver == Solver()
+    assert Placement(given["at"], given["mask_on"]) == Placement()
+    assert Selection(given["masks"], given["rectangles"], given["invert"], given["threshold"]) == Selection(
+        (Path("m.png"),)
+    )
+    assert given["gradients"] == default(editing.clone, "gradients")
+    assert given["monochrome"] == default(editing.clone, "monochrome")
