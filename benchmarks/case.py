@@ -23,6 +23,7 @@ TIE = 1e-6  # levels: exact values this close to a half may be rounded either wa
 class Case:
     """Clone `source` into `destination` over `region`, at offset (0, 0)."""
 
+    name: str
     destination: Array  # (H, W, 3) uint8
     source: Array  # (H, W, 3) uint8
     region: Array  # (H, W) bool, True = unknown
@@ -60,6 +61,12 @@ class Case:
         """Share of the exact values that lie below 0 or above 255, and are clipped in a picture."""
         return float(((self.exact < 0) | (self.exact > 255)).mean())
 
+    @property
+    def pasted_rms(self) -> float:
+        """Rms error, in levels, of pasting the source as it is: what no tool may be worse than."""
+        error = self.source[self.region] - np.clip(self.exact, 0, 255)
+        return float(np.sqrt(np.mean(error * error)))
+
     def picture(self, values: Array) -> Array:
         """The destination with `values` (n, 3), rounded and clipped, at the unknowns: (H, W, 3) uint8."""
         out = self.destination.copy()
@@ -67,9 +74,9 @@ class Case:
         return out
 
 
-def of_region(region: Array) -> Case:
+def of_region(region: Array, name: str) -> Case:
     """The two photographs in the region's own frame."""
-    return Case(pictures.destination(*region.shape), pictures.source(*region.shape), region)
+    return Case(name, pictures.destination(*region.shape), pictures.source(*region.shape), region)
 
 
 def paper() -> Case:
@@ -78,7 +85,7 @@ def paper() -> Case:
     region = np.zeros((512, 512), bool)
     row, col = ((512 - side) // 2 for side in disk.shape)
     region[row : row + disk.shape[0], col : col + disk.shape[1]] = disk
-    return of_region(region)
+    return of_region(region, "paper")
 
 
 def _multigrid(region: Array, right_hand_side: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Everyone on one case: prepare, time interleaved, check every answer."""
+"""Any tools on any cases: prepare, time all of them interleaved, check every answer."""
 
 from __future__ import annotations
 
@@ -16,64 +16,66 @@ from benchmarks.timing import Timing, interleave
 
 @dataclass(frozen=True)
 class Entry:
-    """One peer's row."""
+    """One tool on one case."""
 
+    case: Case
     peer: Peer
     timing: Timing
     accuracy: Accuracy
+
+    @property
+    def nanoseconds(self) -> float:
+        """Median time per unknown and channel."""
+        return self.timing.median * 1e9 / self.case.exact.size
 
 
 @dataclass(frozen=True)
 class Results:
     entries: list[Entry]
-    pasted: Accuracy  # of the source pasted as it is: what no tool may be worse than
-    left_out: dict[str, TooSlowError | str]  # peer -> why it did not run
+    left_out: dict[str, TooSlowError | str]  # who, on what -> why
     wrong: list[str]
 
     def ratio(self, entry: Entry) -> float:
-        """Median time over that of our row of the same scope; NaN where ours did not run."""
+        """Median time over that of our row on the same case and of the same scope; NaN where ours did not run."""
         ours = (e for e in self.entries if e.peer.reference and e.peer.scope is entry.peer.scope)
-        return next((entry.timing.median / e.timing.median for e in ours), math.nan)
+        return next((entry.timing.median / e.timing.median for e in ours if e.case is entry.case), math.nan)
 
 
-def key(peer: Peer) -> str:
-    return f"{peer.name} ({peer.scope.value})"
-
-
-def run(case: Case, peers: Iterable[Peer], *, rounds: int, seconds: float, limit: float) -> Results:
-    """Time `peers` on `case`; one whose single run takes longer than `limit` seconds is left out."""
-    ready: dict[str, tuple[Peer, Prepared]] = {}
+def run(pairs: Iterable[tuple[Case, Peer]], *, rounds: int, seconds: float, limit: float) -> Results:
+    """Time every pair, all interleaved; one whose single run takes longer than `limit` seconds is left out."""
+    ready: dict[str, tuple[Case, Peer, Prepared]] = {}
     left_out: dict[str, TooSlowError | str] = {}
     wrong: list[str] = []
-    for peer in peers:
+    for case, peer in pairs:
+        name = f"{case.name}: {peer.name} ({peer.scope.value})"
         if peer.missing:
-            left_out[key(peer)] = f"{peer.missing} is not installed"
+            left_out[name] = f"{peer.missing} is not installed"
             continue
         try:
-            ready[key(peer)] = peer, peer.prepare(case, limit)
+            ready[name] = case, peer, peer.prepare(case, limit)
         except TooSlowError as slow:
-            left_out[key(peer)] = slow
+            left_out[name] = slow
         except Exception as error:  # one tool's failure must not take the others' figures with it
-            wrong.append(f"{key(peer)}: {type(error).__name__}: {error}")
+            wrong.append(f"{name}: {type(error).__name__}: {error}")
 
     first: dict[str, Answer] = {}
 
     def same(name: str, result: Any) -> None:
-        answer = ready[name][1].answer(result)
+        answer = ready[name][2].answer(result)
         if first.setdefault(name, answer) != answer:
             wrong.append(f"{name}: two runs gave different pictures")
 
-    runs = {name: prepared.run for name, (_, prepared) in ready.items()}
-    timings = interleave(runs, rounds=rounds, seconds=seconds, check=same)
-    pasted = accuracy.of(case, Answer(case.picture(case.source[case.region])))
+    tasks = {name: prepared.run for name, (_, _, prepared) in ready.items()}
+    timings = interleave(tasks, rounds=rounds, seconds=seconds, check=same)
     entries = []
-    for name, (peer, prepared) in ready.items():
+    for name, (case, peer, prepared) in ready.items():
         answer = first.pop(name)
         if prepared.unrounded is not None:
             answer = replace(answer, values=prepared.unrounded())
-        entries.append(Entry(peer, timings[name], accuracy.of(case, answer)))
-        wrong += broken(peer, entries[-1].accuracy, pasted)
-    return Results(entries, pasted, left_out, wrong)
+        entry = Entry(case, peer, timings[name], accuracy.of(case, answer))
+        wrong += [f"{name}: {line}" for line in broken(peer.promise, entry.accuracy, case.pasted_rms)]
+        entries.append(entry)
+    return Results(entries, left_out, wrong)
 
 
 def wanted(peers: Iterable[Peer], without: Iterable[str], *scopes: Scope) -> list[Peer]:

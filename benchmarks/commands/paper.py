@@ -28,8 +28,7 @@ HEADER = (
 def run(arguments: Namespace) -> list[str]:
     paper = case.paper()
     results = field.run(
-        paper,
-        field.wanted(peers.every(), arguments.without, *Scope),
+        [(paper, peer) for peer in field.wanted(peers.every(), arguments.without, *Scope)],
         rounds=arguments.rounds,
         seconds=arguments.seconds,
         limit=float("inf") if arguments.slow else SLOW,

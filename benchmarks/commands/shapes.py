@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks import accuracy, case, exact, machine, peers, shapes
+from benchmarks import case, exact, field, machine, peers, shapes
 from benchmarks.case import Case
-from benchmarks.peers import Peer, Prepared, Scope, ours
+from benchmarks.peers import Scope
+from benchmarks.peers.ours import ready
 from benchmarks.table import render, three
-from benchmarks.timing import Timing, interleave
 
 FLOOR = 1e-4  # levels: true errors below this are float32's, of which an estimate knows nothing
 HONEST = 0.7, 5.0  # estimate / true error, above the floor
@@ -19,51 +19,51 @@ HONEST = 0.7, 5.0  # estimate / true error, above the floor
 
 @dataclass(frozen=True)
 class Honesty:
-    """Errors in levels, on the case's own pictures."""
+    """What one solve said of its error, and what was true, in levels."""
 
-    true_error: float  # at the default tolerance
+    cycles: int  # to the default tolerance
+    true_error: float
     tolerance: float
-    cycles: int
     ratios: tuple[
         float, ...
-    ]  # estimate / true error after the second cycle and every later one above the floor
+    ]  # estimate / true error, after the second cycle and all later ones above the floor
+
+    def broken(self) -> list[str]:
+        found = []
+        if self.true_error > self.tolerance:
+            found.append(f"error {self.true_error:.1e} levels, tolerance {self.tolerance}")
+        if any(not HONEST[0] <= ratio <= HONEST[1] for ratio in self.ratios):
+            found.append(f"estimate / true error {self.range}, allowed {HONEST[0]} to {HONEST[1]}")
+        return found
+
+    @property
+    def range(self) -> str:
+        return f"{min(self.ratios):.2f} to {max(self.ratios):.2f}" if self.ratios else "-"
 
 
 def run(arguments: Namespace) -> list[str]:
-    clone, solve = (_ours(scope) for scope in (Scope.CLONE, Scope.SOLVE))
-    cases = {
-        name: case.of_region(shapes.with_unknowns(shape, arguments.unknowns))
+    cases = [
+        case.of_region(shapes.with_unknowns(shape, arguments.unknowns), name)
         for name, shape in shapes.INTERIOR.items()
-    }
-    prepared = {(name, p): p.prepare(c, np.inf) for name, c in cases.items() for p in (clone, solve)}
-    timings, wrong = _time(cases, prepared, arguments)
-
-    disk = {p: _cost(cases["disk"], timings["disk", p]) for p in (clone, solve)}
+    ]
+    results = field.run(
+        [(c, peers.reference(scope)) for c in cases for scope in Scope],
+        rounds=arguments.rounds,
+        seconds=arguments.seconds,
+        limit=np.inf,
+    )
+    wrong = results.wrong
+    cost = {(entry.case.name, entry.peer.scope): entry.nanoseconds for entry in results.entries}
     rows = []
-    for name, c in cases.items():
+    for c in cases:
         honesty = measure(c)
-        cost = {p: _cost(c, timings[name, p]) for p in (clone, solve)}
-        if honesty.true_error > honesty.tolerance:
-            wrong.append(f"{name}: error {honesty.true_error:.1e} levels, tolerance {honesty.tolerance}")
-        if honesty.ratios and not HONEST[0] <= min(honesty.ratios) <= max(honesty.ratios) <= HONEST[1]:
-            wrong.append(
-                f"{name}: estimate / true error from {min(honesty.ratios):.2f} to {max(honesty.ratios):.2f}"
-            )
-        share = c.unknowns / np.prod([side.stop - side.start for side in exact.crop_of(c.region)])
-        rows.append(
-            [
-                name,
-                f"{c.unknowns:,}",
-                f"{share:.0%}",
-                str(honesty.cycles),
-                three(cost[solve]),
-                three(cost[solve] / disk[solve]),
-                three(cost[clone]),
-                three(cost[clone] / disk[clone]),
-                three(honesty.true_error / honesty.tolerance),
-                f"{min(honesty.ratios):.2f} to {max(honesty.ratios):.2f}" if honesty.ratios else "-",
-            ]
-        )
+        wrong += [f"{c.name}: {line}" for line in honesty.broken()]
+        row = [c.name, f"{c.unknowns:,}", f"{c.unknowns / c.region[exact.crop_of(c.region)].size:.0%}"]
+        row.append(str(honesty.cycles))
+        for scope in (Scope.SOLVE, Scope.CLONE):
+            here, disk = (cost.get((name, scope), np.nan) for name in (c.name, "disk"))
+            row += [three(here), three(here / disk)]
+        rows.append([*row, three(honesty.true_error / honesty.tolerance), honesty.range])
     print(machine.describe())
     print(
         "\nns: median nanoseconds per unknown and channel, 3 channels, one thread, set-up included; x disk: against"
@@ -80,7 +80,7 @@ def measure(c: Case) -> Honesty:
     """Solve with two cycles, three, ... to as many as the default tolerance takes, each against the exact one."""
     from solvers import solve_multigrid
 
-    problem, _ = ours.ready(c)
+    problem, _ = ready(c)
     region = problem.region
 
     def true_error(solution: object) -> float:
@@ -92,42 +92,4 @@ def measure(c: Case) -> Honesty:
         result = solve_multigrid(problem, max_iterations=cycles, threads=1)
         if (true := true_error(result.solution)) > FLOOR:
             ratios.append(result.error_estimate / true)
-    return Honesty(true_error(final.solution), final.tolerance, final.iterations, tuple(ratios))
-
-
-def _ours(scope: Scope) -> Peer:
-    return next(p for p in peers.every() if p.reference and p.scope is scope)
-
-
-def _time(
-    cases: dict[str, Case], prepared: dict[tuple[str, Peer], Prepared], arguments: Namespace
-) -> tuple[dict[tuple[str, Peer], Timing], list[str]]:
-    """Times of every shape and scope, interleaved; and what was wrong with any answer."""
-    wrong: list[str] = []
-    labels = {f"{name}, {peer.scope.value}": (name, peer) for name, peer in prepared}
-    seen: set[str] = set()
-
-    def check(label: str, result: object) -> None:
-        if label in seen:
-            return
-        seen.add(label)
-        name, peer = labels[label]
-        c, one = cases[name], prepared[labels[label]]
-        answer = one.answer(result)
-        if one.unrounded is not None:
-            answer = accuracy.Answer(answer.picture, one.unrounded())
-        pasted = accuracy.of(c, accuracy.Answer(c.source))
-        wrong.extend(f"{name}: {line}" for line in peers.broken(peer, accuracy.of(c, answer), pasted))
-
-    timings = interleave(
-        {label: prepared[key].run for label, key in labels.items()},
-        rounds=arguments.rounds,
-        seconds=arguments.seconds,
-        check=check,
-    )
-    return {labels[label]: timing for label, timing in timings.items()}, wrong
-
-
-def _cost(c: Case, timing: Timing) -> float:
-    """Nanoseconds per unknown and channel."""
-    return timing.median * 1e9 / c.exact.size
+    return Honesty(final.iterations, true_error(final.solution), final.tolerance, tuple(ratios))

@@ -34,13 +34,18 @@ def run(arguments: Namespace) -> list[str]:
     wrong: list[str] = []
     steps = sizes(arguments.largest)
     for unknowns, following in zip(steps, [*steps[1:], 0], strict=True):
-        disk = case.of_region(shapes.disk_of(unknowns))
-        results = field.run(disk, going, rounds=arguments.rounds, seconds=arguments.seconds, limit=LIMIT)
-        rows = [_row(entry, results.ratio(entry), disk.unknowns) for entry in results.entries]
+        disk = case.of_region(shapes.disk_of(unknowns), f"{unknowns:,} unknowns")
+        results = field.run(
+            [(disk, peer) for peer in going],
+            rounds=arguments.rounds,
+            seconds=arguments.seconds,
+            limit=LIMIT,
+        )
+        rows = [_row(entry, results.ratio(entry)) for entry in results.entries]
         print(render([f"{disk.unknowns:,} unknowns", *HEADER], rows, markdown=arguments.markdown))
         for name, why in results.left_out.items():
             print(f"left out from here on: {name}: {why}")
-        wrong += [f"{disk.unknowns:,} unknowns: {line}" for line in results.wrong]
+        wrong += results.wrong
 
         going = []
         for entry in results.entries:
@@ -61,7 +66,7 @@ def run(arguments: Namespace) -> list[str]:
 HEADER = ("median", "min", "max", "runs", "x ours", "ns/unknown/channel", "largest error", "changed outside")
 
 
-def _row(entry: Entry, ratio: float, unknowns: int) -> list[str]:
+def _row(entry: Entry, ratio: float) -> list[str]:
     timing, accuracy = entry.timing, entry.accuracy
     return [
         entry.peer.name,
@@ -70,7 +75,7 @@ def _row(entry: Entry, ratio: float, unknowns: int) -> list[str]:
         duration(timing.slowest),
         str(timing.runs),
         three(ratio),
-        three(timing.median * 1e9 / (3 * unknowns)),
+        three(entry.nanoseconds),
         three(accuracy.largest) + ("*" if accuracy.rounded else " "),
         f"{accuracy.outside:,}",
     ]

@@ -78,22 +78,25 @@ def every() -> Iterator[Peer]:
         yield from importlib.import_module(f"benchmarks.peers.{module}").PEERS
 
 
-def broken(peer: Peer, accuracy: Accuracy, pasted: Accuracy) -> list[str]:
-    """What `peer` promised and did not keep, a line each; `pasted`: the accuracy of pasting the source."""
+def reference(scope: Scope) -> Peer:
+    """The row that the others of its scope are compared to."""
+    return next(peer for peer in every() if peer.reference and peer.scope is scope)
+
+
+def broken(promise: Promise, accuracy: Accuracy, pasted_rms: float) -> list[str]:
+    """What was promised and not kept, a line each; `pasted_rms` is the error of pasting the source as it is."""
+    if not math.isfinite(accuracy.largest):
+        return ["values that are not finite"]
+    if promise is Promise.IMPROVEMENT:
+        if accuracy.rms < pasted_rms:
+            return []
+        return [f"rms error {accuracy.rms:.3g} levels, pasting has {pasted_rms:.3g}: called the wrong way?"]
     found = []
-    if math.isnan(accuracy.largest):
-        found.append("values that are not finite")
-    if peer.promise is Promise.IMPROVEMENT:
-        if accuracy.rms >= pasted.rms:
-            found.append(
-                f"rms error {accuracy.rms:.3g} levels, pasting has {pasted.rms:.3g}: called the wrong way"
-            )
-        return [f"{peer.name}: {line}" for line in found]
     if accuracy.outside:
         found.append(f"{accuracy.outside} pixels changed outside the region")
     allowed = TARGET + 0.5 * accuracy.rounded
     if accuracy.largest > allowed:
         found.append(f"largest error {accuracy.largest:.3g} levels, allowed {allowed}")
-    if peer.promise is Promise.PICTURE and accuracy.identical < 0.9999:
+    if promise is Promise.PICTURE and accuracy.identical < 0.9999:
         found.append(f"{accuracy.identical:.4%} of the values identical after rounding, promised 99.99 %")
-    return [f"{peer.name}: {line}" for line in found]
+    return found

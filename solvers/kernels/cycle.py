@@ -1,14 +1,14 @@
 """The steps of a cycle: relaxation, restriction, interpolation, exact solution.
 
-The finest level knows that all its conductances are 1.  Its kernels take ranges of rows of places, so that a caller can
-give bands to several threads or return to Python in between; a half sweep reads only the other colour, hence any
-split gives the same bits.
+The finest level knows that all its conductances are 1.  Its kernels take ranges of segments, so that a caller can give
+bands to several threads or return to Python in between; a half sweep reads only the other colour, hence any split gives
+the same bits.
 """
 
 import numpy as np
 
 from solvers.kernels.policy import jit
-from solvers.layout import COLS, FIRST_RUN, FIRST_SEGMENT, OFFSET, QUARTER, ROWS, STRIDE
+from solvers.layout import COLS, FIRST_SEGMENT, OFFSET, QUARTER, ROWS, STRIDE
 
 DOWN, UP, COARSEST = 0, 1, 2  # see solvers.cycles
 
@@ -23,36 +23,22 @@ def bits_of(value):
     return np.float32(value).view(np.int32) & ABS_BITS
 
 
-@jit
-def first_run_of(runs, start, end, row):
-    """The first of runs[start:end] that lies in `row` or below it; runs are sorted by row."""
-    while start < end:
-        middle = (start + end) // 2
-        if runs[middle, 0] < row:
-            start = middle + 1
-        else:
-            end = middle
-    return start
-
-
 # --- relaxation --------------------------------------------------------------------------------------------------
 
 
 @jit
-def relax_finest(x, b, weight, runs, table, channels, colour, first_row, end_row):
-    """Gauss-Seidel half sweep over one colour of rows [first_row, end_row) of the finest level.
+def relax_finest(x, b, weight, segments, table, channels, colour, first, end):
+    """Gauss-Seidel half sweep over one colour of segments [first, end) of the finest level.
 
     Returns the bit pattern of the largest absolute change.
     """
     stride, size = table[0, STRIDE], table[0, QUARTER]
-    start, end = table[0, FIRST_RUN], table[1, FIRST_RUN]
-    first, end = first_run_of(runs, start, end, first_row), first_run_of(runs, start, end, end_row)
     largest = np.int32(0)
     for channel in range(channels):
         plane = 4 * channel * size
         for k in range(first, end):
-            at = (np.int64(runs[k, 0]) + 1) * stride + runs[k, 1]
-            n = np.int64(runs[k, 2]) - runs[k, 1]
+            at = segments[k, 0]
+            n = segments[k, 1] - at
             for quarter in (colour, 3 - colour):
                 o = quarter * size + at
                 w, own, rhs = weight[o : o + n], x[plane + o : plane + o + n], b[plane + o : plane + o + n]
@@ -164,39 +150,36 @@ def add_residual_coarse(total, x, b, diagonal, edge_e, edge_s, plane, coefficien
 
 
 @jit
-def hand_down(x, b, scratch, table, level, channels, channel, row, low, n):
-    """scratch[:n], sums of residuals along a row of places, becomes the right-hand side of the cells of level + 1."""
+def hand_down(x, b, sums, table, level, channels, channel, row, low):
+    """Sums of residuals along a row of places become the right-hand side of the cells of level + 1 there."""
     stride, size = table[level + 1, STRIDE], table[level + 1, QUARTER]
+    n = sums.shape[0] // 2
     o = channels * table[level + 1, OFFSET] + (4 * channel + 2 * (row & 1)) * size
     o += (row // 2 + 1) * stride + low // 2
-    even, odd = b[o : o + n // 2], b[o + size : o + size + n // 2]
-    for i in range(n // 2):
-        even[i] = scratch[2 * i]
-        odd[i] = scratch[2 * i + 1]
-    even, odd = x[o : o + n // 2], x[o + size : o + size + n // 2]
-    for i in range(n // 2):
+    even, odd = b[o : o + n], b[o + size : o + size + n]
+    for i in range(n):
+        even[i] = sums[2 * i]
+        odd[i] = sums[2 * i + 1]
+    even, odd = x[o : o + n], x[o + size : o + size + n]
+    for i in range(n):
         even[i] = 0
         odd[i] = 0
 
 
 @jit
-def restrict_residual(x, b, weight, diagonal, edge_e, edge_s, scratch, runs, table, level, channels, first_row, end_row):
+def restrict_residual(x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, first, end):
     """Right-hand side of level + 1: each cell the sum of its children's residuals.  Its unknowns become zero.
 
     A black half sweep must have come before: black residuals are then zero, and only the red ones are computed.
-    [first_row, end_row): rows of places of `level`, which are rows of cells of level + 1.
+    [first, end): segments of `level`.
     """
     stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
-    start, end = table[level, FIRST_RUN], table[level + 1, FIRST_RUN]
-    first, end = first_run_of(runs, start, end, first_row), first_run_of(runs, start, end, end_row)
-    for channel in range(channels):
-        plane = channels * offset + 4 * channel * size
-        for k in range(first, end):
-            row, low = np.int64(runs[k, 0]), np.int64(runs[k, 1])
-            n = np.int64(runs[k, 2]) - low
-            at = (row + 1) * stride + low
-            total = scratch[:n]
-            for i in range(n):
+    for k in range(first, end):
+        at = segments[k, 0]
+        total = scratch[: segments[k, 1] - at]
+        for channel in range(channels):
+            plane = channels * offset + 4 * channel * size
+            for i in range(total.shape[0]):
                 total[i] = 0
             for quarter in (0, 3):
                 if level == 0:
@@ -205,56 +188,77 @@ def restrict_residual(x, b, weight, diagonal, edge_e, edge_s, scratch, runs, tab
                     add_residual_coarse(
                         total, x, b, diagonal, edge_e, edge_s, plane, offset, table[1, OFFSET], size, stride, quarter, at
                     )
-            hand_down(x, b, scratch, table, level, channels, channel, row, low, n)
+            for run in range(segments[k, 2], segments[k, 3]):
+                row, low, n = np.int64(runs[run, 0]), np.int64(runs[run, 1]), np.int64(runs[run, 2]) - runs[run, 1]
+                o = (row + 1) * stride + low - at
+                hand_down(x, b, total[o : o + n], table, level, channels, channel, row, low)
 
 
 # --- interpolation -----------------------------------------------------------------------------------------------
 
 
 @jit
-def blend_rows(line, x, table, level, channels, channel, near_row, far_row, low):
-    """line = 3/4 of one row of cells of `level` and 1/4 of another, from column `low` on (even, -2 at least)."""
-    stride, size = table[level, STRIDE], table[level, QUARTER]
+def blend_rows(line, x, near_at, far_at, size):
+    """line = 3/4 of one row of cells and 1/4 of another, put together from the quarters of even and odd columns."""
     near, far = np.float32(0.75), np.float32(0.25)
     n = line.shape[0] // 2
-    plane = channels * table[level, OFFSET] + 4 * channel * size
-    a = plane + 2 * (near_row & 1) * size + (near_row // 2 + 1) * stride + low // 2
-    c = plane + 2 * (far_row & 1) * size + (far_row // 2 + 1) * stride + low // 2
-    near_even, near_odd = x[a : a + n], x[a + size : a + size + n]
-    far_even, far_odd = x[c : c + n], x[c + size : c + size + n]
+    near_even, near_odd = x[near_at : near_at + n], x[near_at + size : near_at + size + n]
+    far_even, far_odd = x[far_at : far_at + n], x[far_at + size : far_at + size + n]
     for i in range(n):
         line[2 * i] = near * near_even[i] + far * far_even[i]
         line[2 * i + 1] = near * near_odd[i] + far * far_odd[i]
 
 
 @jit
-def prolong(x, weight, scratch, runs, table, level, channels, first_row, end_row):
-    """Adds the 9-3-3-1 interpolation of level + 1 to the black cells of rows of places [first_row, end_row).
+def blend_run(line, x, table, level, channels, channel, quarter, row, low, high):
+    """line[1 : -1] = the cells of level + 1 in columns [low, high), blended for the children in `quarter`.
 
-    Only black ones: the next half sweep overwrites the red ones without reading them.  An inactive coarse cell counts
-    as 0, and the grid continues with its edge.  Returns the bit pattern of the largest absolute change.
+    Quarter 1 holds the upper right child of each cell, which leans to the row above and the column to the right: the
+    column `high` follows in line[-1].  Quarter 2 holds the lower left child: column low - 1 goes into line[0].  An
+    inactive cell counts as 0, and the grid continues with its edge.
+    """
+    rows, cols = table[level, ROWS], table[level, COLS]
+    stride, size = table[level + 1, STRIDE], table[level + 1, QUARTER]
+    far_row = max(row - 1, 0) if quarter == 1 else min(row + 1, rows - 1)
+    plane = channels * table[level + 1, OFFSET] + 4 * channel * size + low // 2
+    near_at = plane + 2 * (row & 1) * size + (row // 2 + 1) * stride
+    far_at = plane + 2 * (far_row & 1) * size + (far_row // 2 + 1) * stride
+    n = high - low
+    blend_rows(line[1 : n + 1], x, near_at, far_at, size)
+    near, far = np.float32(0.75), np.float32(0.25)
+    if quarter == 1:
+        if high < cols:
+            line[n + 1] = near * x[near_at + n // 2] + far * x[far_at + n // 2]
+        else:
+            line[cols - low + 1] = line[cols - low]
+    elif low > 0:
+        line[0] = near * x[near_at + size - 1] + far * x[far_at + size - 1]
+    else:
+        line[0] = line[1]
+
+
+@jit
+def prolong(x, weight, scratch, runs, segments, table, level, channels, first, end):
+    """Adds the 9-3-3-1 interpolation of level + 1 to the black cells of segments [first, end) of `level`.
+
+    Only black ones: the next half sweep overwrites the red ones without reading them.  Returns the bit pattern of the
+    largest absolute change.
     """
     stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
-    rows, cols = table[level, ROWS], table[level, COLS]
-    start, end = table[level, FIRST_RUN], table[level + 1, FIRST_RUN]
-    first, end = first_run_of(runs, start, end, first_row), first_run_of(runs, start, end, end_row)
     near, far, zero = np.float32(0.75), np.float32(0.25), np.float32(0.0)
     largest = np.int32(0)
-    for channel in range(channels):
-        for k in range(first, end):
-            row, low = np.int64(runs[k, 0]), np.int64(runs[k, 1])
-            n = np.int64(runs[k, 2]) - low
-            line = scratch[: n + 4]  # coarse cells low - 2 ... high + 1
+    for k in range(first, end):
+        at = segments[k, 0]
+        n = segments[k, 1] - at
+        for channel in range(channels):
             for quarter in (1, 2):
-                # Quarter 1 has the upper right child of each coarse cell, quarter 2 the lower left one.
-                far_row = max(row - 1, 0) if quarter == 1 else min(row + 1, rows - 1)
-                blend_rows(line, x, table, level + 1, channels, channel, row, far_row, low - 2)
-                if low == 0:
-                    line[1] = line[2]
-                if low + n >= cols:
-                    line[cols - low + 2] = line[cols - low + 1]
-                here, beside = line[2 : 2 + n], line[5 - 2 * quarter : 5 - 2 * quarter + n]
-                o = offset + quarter * size + (row + 1) * stride + low
+                for run in range(segments[k, 2], segments[k, 3]):
+                    row, low, high = np.int64(runs[run, 0]), np.int64(runs[run, 1]), np.int64(runs[run, 2])
+                    o = (row + 1) * stride + low - at
+                    line = scratch[o : o + high - low + 2]
+                    blend_run(line, x, table, level, channels, channel, quarter, row, low, high)
+                here, beside = scratch[1 : 1 + n], scratch[4 - 2 * quarter : 4 - 2 * quarter + n]
+                o = offset + quarter * size + at
                 w = weight[o : o + n]
                 o += (channels - 1) * offset + 4 * channel * size
                 own = x[o : o + n]
@@ -307,19 +311,19 @@ def run_steps(
     before = correction = after = np.int32(0)
     for k in range(steps.shape[0]):
         step, level = steps[k, 0], steps[k, 1]
-        rows = table[level, ROWS]
+        first, end = table[level, FIRST_SEGMENT], table[level + 1, FIRST_SEGMENT]
         if step == COARSEST:
             change = solve_coarsest(x, b, band, cells, scratch64, table, level, channels)
             if level == 0:
                 correction = change
             continue
         if step == UP:
-            change = prolong(x, weight, scratch, runs, table, level, channels, 0, rows)
+            change = prolong(x, weight, scratch, runs, segments, table, level, channels, first, end)
             if level == 0:
                 correction = change
         if level == 0:
-            relax_finest(x, b, weight, runs, table, channels, RED, 0, rows)
-            change = relax_finest(x, b, weight, runs, table, channels, BLACK, 0, rows)
+            relax_finest(x, b, weight, segments, table, channels, RED, first, end)
+            change = relax_finest(x, b, weight, segments, table, channels, BLACK, first, end)
             if step == DOWN:
                 before = change
             else:
@@ -328,5 +332,7 @@ def run_steps(
             relax_coarse(x, b, weight, edge_e, edge_s, scratch, segments, table, level, channels, RED)
             relax_coarse(x, b, weight, edge_e, edge_s, scratch, segments, table, level, channels, BLACK)
         if step == DOWN:
-            restrict_residual(x, b, weight, diagonal, edge_e, edge_s, scratch, runs, table, level, channels, 0, rows)
+            restrict_residual(
+                x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, first, end
+            )
     return before, correction, after
