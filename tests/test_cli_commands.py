@@ -84,7 +84,7 @@ SOLVERS = [
     (["--solver", "multigrid", "--cycle", "W"], {"cycle": "W"}),
 ]
 INVERSIONS = [([], {}), (["--invert-mask"], {"INVERT": True})]
-THRESHOLDS = [([], {"THRESHOLD": 128}), (["--mask-threshold", "40"], {"THRESHOLD": 40})]
+THRESHOLDS = [([], {"THRESHOLD": 128}), (["--mask-threshold", "60"], {"THRESHOLD": 60})]
 TOLERANCES = [([], {}), (["--tolerance", "1e-5"], {"tolerance": 1e-5})]
 LIMITS = [([], {}), (["--max-iterations", "20000"], {"max_iterations": 20000})]
 THREADS = [([], {}), (["--threads", "2"], {"threads": 2})]

@@ -402,6 +402,13 @@ def test_a_large_picture_is_read_without_a_warning(monkeypatch):
     assert Image.MAX_IMAGE_PIXELS == 10
 
 
+def test_warnings_about_metadata_do_not_reach_the_terminal():
+    data = encoded(RGB, "JPEG", exif=b"Exif\0\0II*\0\x08\0\0\0\x05\0\x12\x01")
+    with pytest.warns(UserWarning, match="Corrupt EXIF"), Image.open(io.BytesIO(data)) as image:
+        image.getexif()
+    assert decode(data).shape == RGB.shape[:2]
+
+
 def test_a_name_is_only_ever_a_file(tmp_path, monkeypatch):
     """The library under us would open the first three of these."""
     monkeypatch.chdir(tmp_path)

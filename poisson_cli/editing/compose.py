@@ -38,7 +38,7 @@ class EditReport:
     floating : bool
         True if no pixel was known, so that the mean of the first guess was kept.
     boundary_mismatch : tuple of float or None
-        Per channel, the mean of |f* - g| over the boundary, in levels; None where there is no source.
+        Per channel, the mean of |f* - g| over the boundary, in levels; None where no boundary pixel has a source.
     clipped : int
         Values that left the range of the picture and were clipped.
     seconds : dict
@@ -140,10 +140,10 @@ def compose(
     return Edit(image, report)
 
 
-def _mean_mismatch(known: Values, guess: Values, level: float) -> tuple[float, ...]:
-    """Per channel, the mean of |f* - g| over boundary pixels (n[, C]), in levels."""
+def _mean_mismatch(known: Values, guess: Values, level: float) -> tuple[float, ...] | None:
+    """Per channel, the mean of |f* - g| over boundary pixels (n[, C]), in levels; None if there are none."""
     if known.shape[0] == 0:
-        return (0.0,) * (1 if known.ndim == 1 else known.shape[1])
+        return None
     mean = np.abs(known - guess).mean(0, dtype=np.float64) / level
     return tuple(float(m) for m in np.atleast_1d(mean))
 
