@@ -186,7 +186,8 @@ def test_options_of_clone_and_mix_mean_what_the_keywords_mean(folder, poisson, r
     assert ran.code == 0, ran.err
     check_saved(folder, words, getattr(editing, tool)(DESTINATION, SOURCE, mask, **meaning).image, existing)
     assert bool(ran.out) == ("--json" in words)
-    assert len(ran.err.splitlines()) == (0 if "-q" in words else 7 if "-v" in words else 1)
+    lines = len(ran.err.splitlines())
+    assert lines > 5 if "-v" in words else lines == ("-q" not in words)
 
 
 @pytest.mark.parametrize("row", all_pairs(SHARED), ids=ids)

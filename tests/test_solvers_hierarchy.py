@@ -6,12 +6,12 @@ import pytest
 from solvers import Guidance, PoissonProblem, build_hierarchy, describe, solve_multigrid
 from tests import oracles
 from tests.gold_multigrid import Multigrid, finest, grids, prolongation, restriction
-from tests.regions import SHAPES
+from tests.regions import NEAR_SINGULAR, SHAPES
 
 SIZES = [(24, 24), (23, 30), (9, 40), (33, 17)]
 WITH_A_KNOWN_PIXEL = [name for name in SHAPES if name != "everything"]
 FLOAT32 = {"rtol": 2e-6, "atol": 1e-6}
-ROUNDING = 5e-3  # what float32 makes of values near 100, at worst: where next to nothing ties them down
+ROUNDING, ROUNDING_NEAR_SINGULAR = 1e-3, 1e-2  # what float32 makes of values near 100
 
 
 # --- the gold itself --------------------------------------------------------------------------------
@@ -58,7 +58,7 @@ def test_the_operator_of_every_level(shape, size):
 
 
 @pytest.mark.parametrize("cycle", ["V", "F", "W"])
-@pytest.mark.parametrize("size", [(24, 24), (23, 30), (9, 40)], ids=str)
+@pytest.mark.parametrize("size", [(40, 44), (23, 30), (9, 40)], ids=str)
 @pytest.mark.parametrize("shape", WITH_A_KNOWN_PIXEL)
 def test_a_cycle_moves_every_pixel_where_the_gold_cycle_does(shape, size, cycle):
     """Smoother, transfers, coarse solve and the order of the visits: all at once, and pixel by pixel."""
@@ -66,11 +66,12 @@ def test_a_cycle_moves_every_pixel_where_the_gold_cycle_does(shape, size, cycle)
     answer = np.random.default_rng(4).uniform(-100, 100, size)
     problem = PoissonProblem(region, np.where(region, 0.0, answer), Guidance.of(answer))
     multigrid = Multigrid(region)
+    rounding = ROUNDING_NEAR_SINGULAR if shape in NEAR_SINGULAR else ROUNDING
     u, b = np.zeros(int(region.sum())), multigrid.matrices[0] @ answer[region]
     for cycles in (1, 2):
         multigrid.cycle(cycle, u, b)
         result = solve_multigrid(problem, cycle=cycle, tolerance=1e-12, max_iterations=cycles)
-        np.testing.assert_allclose(result.solution[region], u, rtol=0, atol=ROUNDING)
+        np.testing.assert_allclose(result.solution[region], u, rtol=0, atol=rounding)
 
 
 def test_describe_says_how_many_unknowns_a_level_has():

@@ -1,6 +1,6 @@
 """The steps of a cycle: relaxation, restriction, interpolation, exact solution.
 
-The finest level knows that all its conductances are 1.  Its kernels take ranges of segments, so that a caller can give
+The finest level knows that all its conductances are 1.  Operations take ranges of segments, so that a caller can give
 bands to several threads or return to Python in between; a half sweep reads only the other colour, hence any split gives
 the same bits.
 """
@@ -23,34 +23,54 @@ def bits_of(value):
     return np.float32(value).view(np.int32) & ABS_BITS
 
 
+@jit
+def largest_of(a, b):
+    return a if a > b else b
+
+
 # --- relaxation --------------------------------------------------------------------------------------------------
 
 
 @jit
-def relax_finest(x, b, weight, segments, table, channels, colour, first, end):
-    """Gauss-Seidel half sweep over one colour of segments [first, end) of the finest level.
+def relax_finest(x, b, weight, size, stride, plane, quarter, at, n):
+    """Gauss-Seidel on n places of one quarter of the finest level, from `at` on, in the channel that begins at `plane`.
 
     Returns the bit pattern of the largest absolute change.
     """
-    stride, size = table[0, STRIDE], table[0, QUARTER]
+    o = quarter * size + at
+    w, own, rhs = weight[o : o + n], x[plane + o : plane + o + n], b[plane + o : plane + o + n]
+    o = plane + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride)
+    north, south = x[o : o + n], x[o + stride : o + stride + n]
+    o = plane + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1)
+    west, east = x[o : o + n], x[o + 1 : o + 1 + n]
     largest = np.int32(0)
-    for channel in range(channels):
-        plane = 4 * channel * size
-        for k in range(first, end):
-            at = segments[k, 0]
-            n = segments[k, 1] - at
-            for quarter in (colour, 3 - colour):
-                o = quarter * size + at
-                w, own, rhs = weight[o : o + n], x[plane + o : plane + o + n], b[plane + o : plane + o + n]
-                o = plane + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride)
-                north, south = x[o : o + n], x[o + stride : o + stride + n]
-                o = plane + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1)
-                west, east = x[o : o + n], x[o + 1 : o + 1 + n]
-                for i in range(n):
-                    new = w[i] * (rhs[i] + north[i] + south[i] + west[i] + east[i])
-                    largest = max(largest, bits_of(new - own[i]))
-                    own[i] = new
+    for i in range(n):
+        new = w[i] * (rhs[i] + north[i] + south[i] + west[i] + east[i])
+        largest = max(largest, bits_of(new - own[i]))
+        own[i] = new
     return largest
+
+
+@jit
+def relax_coarse(x, b, weight, edge_e, edge_s, scratch, size, stride, plane, coefficients, skip, quarter, at, n):
+    """The same on a coarse level, whose coefficients begin at `coefficients`, and at `skip` less in the edge fields."""
+    o = quarter * size + at
+    own, rhs, w = x[plane + o : plane + o + n], b[plane + o : plane + o + n], weight[coefficients + o :][:n]
+    o += coefficients - skip
+    c_south, c_east = edge_s[o : o + n], edge_e[o : o + n]
+    o = (quarter ^ 2) * size + at - (0 if quarter & 2 else stride)
+    north, south = x[plane + o : plane + o + n], x[plane + o + stride : plane + o + stride + n]
+    o += coefficients - skip
+    c_north = edge_s[o : o + n]
+    o = (quarter ^ 1) * size + at - (0 if quarter & 1 else 1)
+    west, east = x[plane + o : plane + o + n], x[plane + o + 1 : plane + o + 1 + n]
+    o += coefficients - skip
+    c_west = edge_e[o : o + n]
+    total = scratch[:n]
+    for i in range(n):
+        total[i] = rhs[i] + c_north[i] * north[i] + c_south[i] * south[i]
+    for i in range(n):
+        own[i] = w[i] * (total[i] + c_west[i] * west[i] + c_east[i] * east[i])
 
 
 @jit
@@ -71,41 +91,6 @@ def relax_over(x, b, weight, segments, table, channels, colour, omega, first, en
                 west, east = x[o : o + n], x[o + 1 : o + 1 + n]
                 for i in range(n):
                     own[i] += omega * (w[i] * (rhs[i] + north[i] + south[i] + west[i] + east[i]) - own[i])
-
-
-@jit
-def relax_coarse(x, b, weight, edge_e, edge_s, scratch, segments, table, level, channels, colour):
-    """Gauss-Seidel half sweep over one colour of a coarse level.  scratch: as long as a segment."""
-    stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
-    skip = table[1, OFFSET]
-    for k in range(table[level, FIRST_SEGMENT], table[level + 1, FIRST_SEGMENT]):
-        at = segments[k, 0]
-        n = segments[k, 1] - at
-        total = scratch[:n]
-        for quarter in (colour, 3 - colour):
-            own_at = quarter * size + at
-            vertical = (quarter ^ 2) * size + at - (0 if quarter & 2 else stride)
-            horizontal = (quarter ^ 1) * size + at - (0 if quarter & 1 else 1)
-            o = offset + own_at
-            w = weight[o : o + n]
-            o -= skip
-            c_south, c_east = edge_s[o : o + n], edge_e[o : o + n]
-            o = offset - skip + vertical
-            c_north = edge_s[o : o + n]
-            o = offset - skip + horizontal
-            c_west = edge_e[o : o + n]
-            for channel in range(channels):
-                plane = channels * offset + 4 * channel * size
-                o = plane + own_at
-                own, rhs = x[o : o + n], b[o : o + n]
-                o = plane + vertical
-                north, south = x[o : o + n], x[o + stride : o + stride + n]
-                o = plane + horizontal
-                west, east = x[o : o + n], x[o + 1 : o + 1 + n]
-                for i in range(n):
-                    total[i] = rhs[i] + c_north[i] * north[i] + c_south[i] * south[i]
-                for i in range(n):
-                    own[i] = w[i] * (total[i] + c_west[i] * west[i] + c_east[i] * east[i])
 
 
 # --- restriction -------------------------------------------------------------------------------------------------
@@ -167,31 +152,28 @@ def hand_down(x, b, sums, table, level, channels, channel, row, low):
 
 
 @jit
-def restrict_residual(x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, first, end):
-    """Right-hand side of level + 1: each cell the sum of its children's residuals.  Its unknowns become zero.
+def restrict_segment(x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, channel, k):
+    """Right-hand side of level + 1 below a segment: each cell the sum of its children's residuals.  Its x becomes zero.
 
     A black half sweep must have come before: black residuals are then zero, and only the red ones are computed.
-    [first, end): segments of `level`.
     """
     stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
-    for k in range(first, end):
-        at = segments[k, 0]
-        total = scratch[: segments[k, 1] - at]
-        for channel in range(channels):
-            plane = channels * offset + 4 * channel * size
-            for i in range(total.shape[0]):
-                total[i] = 0
-            for quarter in (0, 3):
-                if level == 0:
-                    add_residual_finest(total, x, b, weight, diagonal, plane, size, stride, quarter, at)
-                else:
-                    add_residual_coarse(
-                        total, x, b, diagonal, edge_e, edge_s, plane, offset, table[1, OFFSET], size, stride, quarter, at
-                    )
-            for run in range(segments[k, 2], segments[k, 3]):
-                row, low, n = np.int64(runs[run, 0]), np.int64(runs[run, 1]), np.int64(runs[run, 2]) - runs[run, 1]
-                o = (row + 1) * stride + low - at
-                hand_down(x, b, total[o : o + n], table, level, channels, channel, row, low)
+    plane = channels * offset + 4 * channel * size
+    at = segments[k, 0]
+    total = scratch[: segments[k, 1] - at]
+    for i in range(total.shape[0]):
+        total[i] = 0
+    for quarter in (0, 3):
+        if level == 0:
+            add_residual_finest(total, x, b, weight, diagonal, plane, size, stride, quarter, at)
+        else:
+            add_residual_coarse(
+                total, x, b, diagonal, edge_e, edge_s, plane, offset, table[1, OFFSET], size, stride, quarter, at
+            )
+    for run in range(segments[k, 2], segments[k, 3]):
+        row, low, n = np.int64(runs[run, 0]), np.int64(runs[run, 1]), np.int64(runs[run, 2]) - runs[run, 1]
+        o = (row + 1) * stride + low - at
+        hand_down(x, b, total[o : o + n], table, level, channels, channel, row, low)
 
 
 # --- interpolation -----------------------------------------------------------------------------------------------
@@ -238,8 +220,8 @@ def blend_run(line, x, table, level, channels, channel, quarter, row, low, high)
 
 
 @jit
-def prolong(x, weight, scratch, runs, segments, table, level, channels, first, end):
-    """Adds the 9-3-3-1 interpolation of level + 1 to the black cells of segments [first, end) of `level`.
+def prolong_segment(x, weight, scratch, runs, segments, table, level, channels, channel, k):
+    """Adds the 9-3-3-1 interpolation of level + 1 to the black cells of a segment.
 
     Only black ones: the next half sweep overwrites the red ones without reading them.  Returns the bit pattern of the
     largest absolute change.
@@ -247,25 +229,91 @@ def prolong(x, weight, scratch, runs, segments, table, level, channels, first, e
     stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
     near, far, zero = np.float32(0.75), np.float32(0.25), np.float32(0.0)
     largest = np.int32(0)
-    for k in range(first, end):
-        at = segments[k, 0]
-        n = segments[k, 1] - at
-        for channel in range(channels):
-            for quarter in (1, 2):
-                for run in range(segments[k, 2], segments[k, 3]):
-                    row, low, high = np.int64(runs[run, 0]), np.int64(runs[run, 1]), np.int64(runs[run, 2])
-                    o = (row + 1) * stride + low - at
-                    line = scratch[o : o + high - low + 2]
-                    blend_run(line, x, table, level, channels, channel, quarter, row, low, high)
-                here, beside = scratch[1 : 1 + n], scratch[4 - 2 * quarter : 4 - 2 * quarter + n]
-                o = offset + quarter * size + at
-                w = weight[o : o + n]
-                o += (channels - 1) * offset + 4 * channel * size
-                own = x[o : o + n]
-                for i in range(n):
-                    change = near * here[i] + far * beside[i] if w[i] > zero else zero
-                    largest = max(largest, bits_of(change))
-                    own[i] += change
+    at = segments[k, 0]
+    n = segments[k, 1] - at
+    for quarter in (1, 2):
+        for run in range(segments[k, 2], segments[k, 3]):
+            row, low, high = np.int64(runs[run, 0]), np.int64(runs[run, 1]), np.int64(runs[run, 2])
+            o = (row + 1) * stride + low - at
+            line = scratch[o : o + high - low + 2]
+            blend_run(line, x, table, level, channels, channel, quarter, row, low, high)
+        here, beside = scratch[1 : 1 + n], scratch[4 - 2 * quarter : 4 - 2 * quarter + n]
+        o = offset + quarter * size + at
+        w = weight[o : o + n]
+        o += (channels - 1) * offset + 4 * channel * size
+        own = x[o : o + n]
+        for i in range(n):
+            change = near * here[i] + far * beside[i] if w[i] > zero else zero
+            largest = max(largest, bits_of(change))
+            own[i] += change
+    return largest
+
+
+# --- one visit to a level ----------------------------------------------------------------------------------------
+
+
+@jit
+def sweep(
+    x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels,
+    prolong_from, prolong_to, red_from, red_to, black_from, black_to, restrict_from, restrict_to,
+):  # fmt: skip
+    """Up to four operations on a level, each on its own range of segments, in one pass through memory.
+
+    Interpolation from level + 1, red half sweep, black half sweep, restriction to level + 1.  They run one behind the
+    other like a wave: black cells follow as soon as the red ones around them are done, and so on, while the rows are
+    still in the cache.  Every value is computed from the same values as in four separate passes, hence the same bits.
+
+    Returns the bit patterns of the largest change on the finest level, by interpolation and by the black half sweep.
+    """
+    stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
+    skip = table[1, OFFSET]
+    far_off = np.int64(1) << 62
+    by_correction = by_sweep = np.int32(0)
+    for channel in range(channels):
+        plane = channels * offset + 4 * channel * size
+        p, r, k, d = prolong_from, red_from, black_from, restrict_from
+        while True:
+            # Interpolation goes ahead of the red segment at hand, as far as that one reads.
+            reach = segments[r, 1] + stride + 1 if r < red_to else far_off
+            while p < prolong_to and segments[p, 0] < reach:
+                change = prolong_segment(x, weight, scratch, runs, segments, table, level, channels, channel, p)
+                by_correction = largest_of(by_correction, change)
+                p += 1
+            if r < red_to:
+                relax_segment(x, b, weight, edge_e, edge_s, scratch, segments, table, level, plane, skip, 0, r)
+                r += 1
+            # Black cells follow once no red one that is still to come touches them,
+            clear = segments[r, 0] if r < red_to else far_off
+            while k < black_to and segments[k, 1] + stride + 1 <= clear:
+                change = relax_segment(x, b, weight, edge_e, edge_s, scratch, segments, table, level, plane, skip, 1, k)
+                by_sweep = largest_of(by_sweep, change)
+                k += 1
+            # and residuals once no black one does.
+            clear = segments[k, 0] if k < black_to else clear
+            while d < restrict_to and segments[d, 1] + stride + 1 <= clear:
+                restrict_segment(
+                    x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, channel, d
+                )
+                d += 1
+            if r >= red_to and k >= black_to and p >= prolong_to and d >= restrict_to:
+                break
+    return by_correction, by_sweep
+
+
+@jit
+def relax_segment(x, b, weight, edge_e, edge_s, scratch, segments, table, level, plane, skip, colour, k):
+    """Gauss-Seidel on the two quarters of one colour; returns the largest change on the finest level."""
+    stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
+    at, n = segments[k, 0], segments[k, 1] - segments[k, 0]
+    largest = np.int32(0)
+    for quarter in (colour, 3 - colour):
+        if level == 0:
+            change = relax_finest(x, b, weight, size, stride, plane, quarter, at, n)
+            largest = largest_of(largest, change)
+        else:
+            relax_coarse(
+                x, b, weight, edge_e, edge_s, scratch, size, stride, plane, offset, skip, quarter, at, n
+            )
     return largest
 
 
@@ -303,7 +351,7 @@ def solve_coarsest(x, b, band, cells, scratch64, table, level, channels):
 def run_steps(
     x, b, weight, diagonal, edge_e, edge_s, band, cells, scratch, scratch64, runs, segments, table, steps, channels
 ):
-    """Runs the steps of a cycle, (n, 2) int64: what to do, and on which level.
+    """Runs steps of a cycle, (n, 2) int64: what to do, and on which level.
 
     Returns the bit patterns of the largest change that the finest level saw: by the sweep before, by the
     coarse correction and by the sweep after.  Their sum bounds the change of any black cell in this cycle.
@@ -316,23 +364,18 @@ def run_steps(
             change = solve_coarsest(x, b, band, cells, scratch64, table, level, channels)
             if level == 0:
                 correction = change
-            continue
-        if step == UP:
-            change = prolong(x, weight, scratch, runs, segments, table, level, channels, first, end)
+        elif step == DOWN:
+            _, change = sweep(
+                x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels,
+                first, first, first, end, first, end, first, end,
+            )  # fmt: skip
             if level == 0:
-                correction = change
-        if level == 0:
-            relax_finest(x, b, weight, segments, table, channels, RED, first, end)
-            change = relax_finest(x, b, weight, segments, table, channels, BLACK, first, end)
-            if step == DOWN:
                 before = change
-            else:
-                after = change
         else:
-            relax_coarse(x, b, weight, edge_e, edge_s, scratch, segments, table, level, channels, RED)
-            relax_coarse(x, b, weight, edge_e, edge_s, scratch, segments, table, level, channels, BLACK)
-        if step == DOWN:
-            restrict_residual(
-                x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, first, end
-            )
+            corrected, change = sweep(
+                x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels,
+                first, end, first, end, first, end, first, first,
+            )  # fmt: skip
+            if level == 0:
+                correction, after = corrected, change
     return before, correction, after
