@@ -38,7 +38,7 @@ def walk(cycle: Cycle, level: int, coarsest: int) -> Iterator[tuple[int, int]]:
     yield DOWN, level
     # An exactly solved level is visited once: a second visit would change nothing.
     for visit in VISITS[cycle] if level + 1 < coarsest else ("V",):
-        yield from walk(visit, level + 1, coarsest)  # type: ignore[arg-type]
+        yield from walk(visit, level + 1, coarsest)
     yield UP, level
 
 

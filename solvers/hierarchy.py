@@ -22,11 +22,10 @@ from solvers.layout import (
     WIDTH,
     Float32,
     Table,
-    aligned_zeros,
-    field,
+    field_size,
     layout_table,
-    whole_vectors,
 )
+from solvers.memory import Arena
 
 EXACT_UNKNOWNS = 64  # a level with at most so many unknowns is solved directly,
 EXACT_SIDE = 2  # and so is a level with a side this short: its matrix has a narrow band
@@ -36,7 +35,9 @@ EXACT_SIDE = 2  # and so is a level with a side this short: its matrix has a nar
 RUN_GAP = 2 * LANES
 
 SEGMENT_GAP = 4 * LANES  # the same across the ends of rows
-LONGEST_SEGMENT = 1024  # places, unless a single run is longer: a stretch of scratch stays in the first-level cache
+LONGEST_SEGMENT = (
+    1024  # places, unless a single run is longer: a stretch of scratch stays in the first-level cache
+)
 
 
 @dataclass(frozen=True)
@@ -81,6 +82,7 @@ class Hierarchy:
 
     @property
     def n_levels(self) -> int:
+        """Number of levels, the finest included."""
         return len(self.unknowns)
 
     @property
@@ -91,14 +93,16 @@ class Hierarchy:
     @property
     def longest_segment(self) -> int:
         """In places."""
-        return int((self.segments[:, 1] - self.segments[:, 0]).max())
+        return int((self.segments[:, 1] - self.segments[:, 0]).max(initial=0))
 
     @property
     def finest_runs(self) -> NDArray[np.int32]:
+        """Runs of the finest level."""
         return self.runs[: self.table[1, FIRST_RUN]]
 
     @property
     def finest_segments(self) -> NDArray[np.int64]:
+        """Segments of the finest level."""
         return self.segments[: self.table[1, FIRST_SEGMENT]]
 
     def shape(self, level: int) -> tuple[int, int]:
@@ -124,8 +128,10 @@ class Hierarchy:
         lines = ["level   unknowns          grid   filled"]
         for level, unknowns in enumerate(self.unknowns):
             height, width = self.shape(level)
-            lines.append(f"{level:5d} {unknowns:10,d} {f'{width} x {height}':>13s} {unknowns / (height * width):7.0%}")
-        total = sum(self.unknowns) / self.unknowns[0]
+            lines.append(
+                f"{level:5d} {unknowns:10,d} {f'{width} x {height}':>13s} {unknowns / (height * width):7.0%}"
+            )
+        total = sum(self.unknowns) / max(1, self.unknowns[0])
         lines.append(f"{sum(self.unknowns):,d} unknowns in all, {total:.2f} times the finest level")
         return "\n".join(lines)
 
@@ -135,14 +141,18 @@ def describe(region: NDArray[np.bool_]) -> str:
     return str(build_hierarchy(region))
 
 
-def build_hierarchy(region: NDArray[np.bool_]) -> Hierarchy:
+def build_hierarchy(region: NDArray[np.bool_], arena: Arena | None = None) -> Hierarchy:
     """Levels of a region, finest first.
 
     Parameters
     ----------
     region : (H, W) bool
-        True = unknown.  At least one pixel must be False: without a known value the operator is singular.
+        True = unknown.  At least one pixel must be False: without a known value the operator is singular.  None need
+        be True.
+    arena : Arena, optional
+        Where the coefficients are to lie; the hierarchy then lives no longer than what the arena hands out.
     """
+    arena = arena or Arena()
     region = np.ascontiguousarray(region, dtype=np.bool_)
     exact_runs = _all_runs(region)
     shapes = [(int(region.shape[0]), int(region.shape[1]))]
@@ -152,14 +162,18 @@ def build_hierarchy(region: NDArray[np.bool_]) -> Hierarchy:
 
     runs = [_whole_vectors(level_runs) for level_runs in exact_runs]
     table[1:, FIRST_RUN] = np.cumsum([len(r) for r in runs])
-    segments = [_join(r, int(stride), int(first)) for r, stride, first in zip(runs, table[:, STRIDE], table[:, FIRST_RUN])]
+    segments = [
+        _join(r, int(stride), int(first))
+        for r, stride, first in zip(runs, table[:-1, STRIDE], table[:-1, FIRST_RUN], strict=True)
+    ]
     table[1:, FIRST_SEGMENT] = np.cumsum([len(s) for s in segments])
 
-    weight, diagonal = field(table, 1), field(table, 1)
+    size = field_size(table, 1)
+    weight, diagonal = arena.zeros(size), arena.zeros(size)
     setup.weigh_region(weight, diagonal, region, runs[0], table)
     unknowns = [int(np.count_nonzero(region))]
-    conductances = [aligned_zeros(weight.size - int(table[1, OFFSET])) for _ in range(6)]
-    scratch = aligned_zeros(13 * int(table[0, STRIDE]))
+    conductances = [arena.zeros(size - int(table[1, OFFSET])) for _ in range(6)]
+    scratch = arena.zeros(13 * int(table[0, STRIDE]))
     for level in range(1, len(shapes)):
         if unknowns[-1] <= EXACT_UNKNOWNS:
             break
@@ -205,7 +219,7 @@ def _whole_vectors(runs: NDArray[np.int32]) -> NDArray[np.int32]:
     """The same runs with both ends moved outwards to multiples of `LANES`."""
     widened = runs.copy()
     widened[:, 1] &= -LANES
-    widened[:, 2] = whole_vectors(widened[:, 2])
+    widened[:, 2] = (widened[:, 2] + LANES - 1) & -LANES
     return widened
 
 
@@ -218,7 +232,9 @@ def _join(runs: NDArray[np.int32], stride: int, first_run: int) -> NDArray[np.in
 def plain_level(values: Float32, table: Table, level: int, skipped: int = 0) -> Float32:
     """A level of a one-channel field as a (height, width) array; `skipped`: length of the levels it leaves out."""
     height, width, rows, cols, stride, size, offset = (int(n) for n in table[level, : OFFSET + 1])
-    quarters = values[offset - skipped : offset - skipped + 4 * size].reshape(4, rows + 2, stride)[:, 1:-1, :cols]
+    quarters = values[offset - skipped : offset - skipped + 4 * size].reshape(4, rows + 2, stride)[
+        :, 1:-1, :cols
+    ]
     grid = np.zeros((2 * rows, 2 * cols), np.float32)
     for quarter in range(4):
         grid[quarter // 2 :: 2, quarter % 2 :: 2] = quarters[quarter]

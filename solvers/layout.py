@@ -21,20 +21,22 @@ quarters of the other colour, two of them at its own place and two a step away. 
 so that a half sweep is two plain loops without gathers, and aggregation adds four numbers at one place.
 
 A quarter has `rows x cols` places, stored in rows of `stride` values, a multiple of 64 bytes.  Behind each row lies at
-least one zero and above and below the quarter a row of zeros: reading beyond an edge reads a zero, and no kernel tests for
-edges.  All levels of a field lie in one flat array, the finest first; on a level come the channels, in a channel the
-quarters.  `table` holds one line per level, with the columns named below; place (row, col) of a quarter is at
+least one zero and above and below the quarter a row of zeros: reading beyond an edge reads a zero, and no kernel tests
+for edges.  All levels of a field lie in one flat array, the finest first; on a level come the channels, in a channel
+the quarters.  `table` holds one line per level, with the columns named below; place (row, col) of a quarter is at
 
     channels * table[level, OFFSET] + (4 * channel + quarter) * table[level, QUARTER] + (row + 1) * stride + col
 
-Coefficients are shared by all channels: they are fields of one channel.  The finest level's edges all have conductance 1
-and are not stored: the edge fields begin at level 1 (``table[1, OFFSET]`` is subtracted).
+Coefficients are shared by all channels: they are fields of one channel.  The finest level's edges all have
+conductance 1 and are not stored: the edge fields begin at level 1 (``table[1, OFFSET]`` is subtracted).
 
 Only places of the region are visited.  *Runs* are the stretches of a row of places that hold a cell of the region:
-``runs[k] = row, low, high`` for ``k`` in ``range(table[level, FIRST_RUN], table[level + 1, FIRST_RUN])``, by row.  Short
-gaps are bridged and both ends moved outwards to whole vectors of 16: what they hold beside the region has weight 0.
+``runs[k] = row, low, high`` for ``k`` in ``range(table[level, FIRST_RUN], table[level + 1, FIRST_RUN])``, by row.
+Short gaps are bridged and both ends moved outwards to whole vectors of 16: what they hold beside the region has
+weight 0.
 *Segments* are the same places in terms of the flat index of a quarter, joined over the ends of rows where that is
-cheaper, ``start, end, first_run, end_run``: on coarse levels a segment holds many rows, and a sweep is a few long loops.
+cheaper, ``start, end, first_run, end_run``: on coarse levels a segment holds many rows, and a sweep is a few long
+loops.
 """
 
 import numpy as np
@@ -87,6 +89,6 @@ def aligned_zeros(size: int) -> Float32:
     return raw[start : start + size]
 
 
-def field(table: Table, channels: int, *, levels: int | None = None) -> Float32:
-    """Zeros for one field of `channels` channels, on all levels or on the first `levels` of them."""
-    return aligned_zeros(channels * int(table[-1 if levels is None else levels, OFFSET]))
+def field_size(table: Table, channels: int, *, levels: int | None = None) -> int:
+    """Length of one field of `channels` channels, on all levels or on the first `levels` of them."""
+    return channels * int(table[-1 if levels is None else levels, OFFSET])

@@ -1,7 +1,8 @@
 """Multigrid: V-, F- and W-cycles on a region of any shape."""
 
 from solvers.cycles import CYCLES, Cycle, Cycling
-from solvers.problem import PoissonProblem
+from solvers.memory import borrowed_arena
+from solvers.problem import OptionError, PoissonProblem
 from solvers.refinement import Correction, solve_in_stages
 from solvers.result import SolveResult
 from solvers.tolerance import (
@@ -50,36 +51,36 @@ def solve_multigrid(
 
     Raises
     ------
-    ValueError
-        If an option makes no sense.
+    OptionError
+        If an option makes no sense; it is a ValueError.
     """
     if cycle not in CYCLES:
-        raise ValueError(f"cycle is {cycle!r}, but must be one of {', '.join(CYCLES)}")
+        raise OptionError(f"cycle is {cycle!r}, but must be one of {', '.join(CYCLES)}")
     tolerance = check_tolerance(tolerance)
     max_iterations = check_iterations(max_iterations, MAX_CYCLES)
     if threads is not None and threads < 1:
-        raise ValueError(f"threads is {threads}, but must be at least 1")
+        raise OptionError(f"threads is {threads}, but must be at least 1")
 
-    correction = Correction.of(problem)
-    cycling = Cycling(correction.hierarchy, cycle, problem.channels)
-    rho = FIRST_RHO
+    with borrowed_arena() as arena:
+        correction = Correction.of(problem, arena)
+        cycling = Cycling(correction.hierarchy, cycle, problem.channels)
+        rates = [FIRST_RHO]
 
-    def estimate(changes: list[float]) -> float:
-        nonlocal rho
-        observed = rate(changes)
-        if observed is not None:
-            rho = max(LEAST_RHO, observed)
-            if observed > STALLING_RHO:
-                cycling.strengthen()
-        return error_bound(changes[-1], rho)
+        def estimate(changes: list[float]) -> float:
+            observed = rate(changes)
+            if observed is not None:
+                rates.append(observed)
+                if observed > STALLING_RHO:
+                    cycling.strengthen()
+            return error_bound(changes[-1], max(LEAST_RHO, *rates[-2:]))
 
-    return solve_in_stages(
-        correction,
-        lambda: cycling.run(correction.x, correction.b),
-        estimate,
-        tolerance=tolerance,
-        max_iterations=max_iterations,
-        method=lambda: "multigrid " + ", then ".join(cycling.names),
-        floor=min(1e-6 * max(1.0, problem.unknowns / 2e4), STAGE_GAIN / 2),  # as measured on disks
-        gain=STAGE_GAIN,
-    )
+        return solve_in_stages(
+            correction,
+            lambda: cycling.run(correction.x, correction.b),
+            estimate,
+            tolerance=tolerance,
+            max_iterations=max_iterations,
+            method=lambda: "multigrid " + ", then ".join(cycling.names),
+            floor=min(1e-6 * max(1.0, problem.unknowns / 2e4), STAGE_GAIN / 2),  # as measured on disks
+            gain=STAGE_GAIN,
+        )

@@ -12,6 +12,10 @@ Values = NDArray[np.float32] | NDArray[np.float64]
 LARGEST_VALUE = 1e30
 
 
+class OptionError(ValueError):
+    """An option of a solver makes no sense."""
+
+
 @dataclass(frozen=True)
 class Guidance:
     """A guidance field v, given on pixel pairs; v_qp = -v_pq.
@@ -94,8 +98,14 @@ class PoissonProblem:
         set_(self, "region", _region(region))
         set_(self, "values", _floats("values", values))
         height, width = self.region.shape
-        if self.values.ndim not in (2, 3) or self.values.shape[:2] != (height, width):
-            raise ValueError(f"values of shape {self.values.shape} do not fit a region of shape {(height, width)}")
+        if (
+            self.values.ndim not in (2, 3)
+            or self.values.shape[:2] != (height, width)
+            or self.values.size == 0
+        ):
+            raise ValueError(
+                f"values of shape {self.values.shape} do not fit a region of shape {(height, width)}"
+            )
         if guidance is not None and rhs is not None:
             raise ValueError("give guidance or rhs, not both")
         channels = self.values.shape[2:]
@@ -112,6 +122,7 @@ class PoissonProblem:
 
     @property
     def channels(self) -> int:
+        """Number of channels, 1 for (H, W) values."""
         return 1 if self.values.ndim == 2 else self.values.shape[2]
 
     @property
@@ -129,7 +140,7 @@ class PoissonProblem:
 
 
 def _region(region: ArrayLike) -> NDArray[np.bool_]:
-    array = np.asarray(region)
+    array = np.ascontiguousarray(region)
     if array.dtype != np.bool_ or array.ndim != 2:
         raise ValueError(f"region must be a 2-d bool array, not {array.ndim}-d {array.dtype}")
     if not array.any():
@@ -138,7 +149,7 @@ def _region(region: ArrayLike) -> NDArray[np.bool_]:
 
 
 def _floats(name: str, values: Any, shape: tuple[int, ...] | None = None) -> Values:
-    array = np.asarray(values)
+    array = np.ascontiguousarray(values)  # what the kernels are compiled for
     if array.dtype not in (np.float32, np.float64):
         raise ValueError(f"{name} must be float32 or float64, not {array.dtype}")
     if shape is not None and array.shape != shape:

@@ -16,7 +16,8 @@ import numpy as np
 
 from solvers.hierarchy import Hierarchy, build_hierarchy
 from solvers.kernels import exact as kernels
-from solvers.layout import Float32, field
+from solvers.layout import Float32, field_size
+from solvers.memory import Arena
 from solvers.problem import PoissonProblem, Values
 from solvers.result import SolveResult
 from solvers.tolerance import LARGEST_ROW_SUM
@@ -43,21 +44,21 @@ class Correction:
     exact: bool = True
 
     @classmethod
-    def of(cls, problem: PoissonProblem) -> "Correction":
-        """u = 0, with the right-hand side of the problem."""
+    def of(cls, problem: PoissonProblem, arena: Arena) -> "Correction":
+        """u = 0, with the right-hand side of the problem; it lives in the arena."""
         region = problem.region
         if problem.floating:
             # The equations fix all but a constant.  One pixel is held, the constant is set at the end.
             region = region.copy()
             region[region.shape[0] // 2, region.shape[1] // 2] = False
-        hierarchy = build_hierarchy(region)
+        hierarchy = build_hierarchy(region, arena)
         channels, table = problem.channels, hierarchy.table
         correction = cls(
             problem,
             hierarchy,
-            total=field(table, channels, levels=1),
-            x=field(table, channels),
-            b=field(table, channels),
+            total=arena.zeros(field_size(table, channels, levels=1)),
+            x=arena.zeros(field_size(table, channels)),
+            b=arena.zeros(field_size(table, channels)),
         )
         correction.exact = correction.assemble()
         return correction
@@ -68,7 +69,9 @@ class Correction:
         values = _with_channels(problem.values)
         if self.total.any():
             values = values.astype(np.float64)
-            kernels.add_solution(values, self.total, np.zeros_like(self.total), h.weight, h.finest_runs, h.table)
+            kernels.add_solution(
+                values, self.total, np.zeros_like(self.total), h.weight, h.finest_runs, h.table
+            )
         nothing = np.zeros((0, 0, 0), values.dtype)
         across = down = rhs = nothing
         if problem.guidance is not None:
@@ -110,7 +113,9 @@ class Correction:
         view = _with_channels(solution)
         kernels.add_solution(view, self.total, self.x, h.weight, h.finest_runs, h.table)
         if problem.floating:
-            drift = view.mean((0, 1), dtype=np.float64) - _with_channels(problem.values).mean((0, 1), dtype=np.float64)
+            drift = view.mean((0, 1), dtype=np.float64) - _with_channels(problem.values).mean(
+                (0, 1), dtype=np.float64
+            )
             view -= drift.astype(view.dtype)
         return solution
 
@@ -163,7 +168,8 @@ def solve_in_stages(
             error = max(error, correction.least_error() / level)
             if error <= tolerance:
                 break
-        if error <= max(gain * size, tolerance):
+        last = (len(history) + 1) * iterations_per_step > max_iterations
+        if error <= max(gain * size, tolerance) and not last:
             correction.next_stage()
             changes.clear()
             stage += 1

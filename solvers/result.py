@@ -22,7 +22,7 @@ class SolveResult:
     iterations : int
         Cycles, or sweeps.
     history : tuple of float
-        The estimate after each iteration, in levels.
+        The estimate after each cycle, or after each group of sweeps, in levels.
     method : str
         For example ``"multigrid F"`` or ``"sor omega=1.97"``.
     unknowns : int

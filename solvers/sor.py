@@ -3,7 +3,8 @@
 import numpy as np
 
 from solvers.kernels.cycle import BLACK, RED, relax_over
-from solvers.problem import PoissonProblem
+from solvers.memory import borrowed_arena
+from solvers.problem import OptionError, PoissonProblem
 from solvers.refinement import Correction, solve_in_stages
 from solvers.result import SolveResult
 from solvers.spectrum import best_omega
@@ -53,51 +54,63 @@ def solve_sor(
 
     Raises
     ------
-    ValueError
-        If an option makes no sense.
+    OptionError
+        If an option makes no sense; it is a ValueError.
     """
     if omega is not None and not 0 < omega < 2:
-        raise ValueError(f"omega is {omega}, but must lie between 0 and 2")
+        raise OptionError(f"omega is {omega}, but must lie between 0 and 2")
     tolerance = check_tolerance(tolerance)
     max_iterations = check_iterations(max_iterations, MAX_SWEEPS)
     if threads is not None and threads < 1:
-        raise ValueError(f"threads is {threads}, but must be at least 1")
+        raise OptionError(f"threads is {threads}, but must be at least 1")
 
-    correction = Correction.of(problem)
-    h, channels = correction.hierarchy, problem.channels
-    factor = np.float32(best_omega(h) if omega is None else omega)
-    segments = h.finest_segments
-    sweeps = min(max_iterations, max(1, round(SPAN / (2 - float(factor)))))
-    x = correction.x[: correction.total.size]
-    before = np.empty_like(x)
+    with borrowed_arena() as arena:
+        correction = Correction.of(problem, arena)
+        h, channels = correction.hierarchy, problem.channels
+        factor = np.float32(best_omega(h) if omega is None else omega)
+        segments = h.finest_segments
+        sweeps = min(max_iterations, max(1, round(SPAN / (2 - float(factor)))))
+        x = correction.x[: correction.total.size]
+        before = np.empty_like(x)
 
-    def step() -> float:
-        before[:] = x
-        for _ in range(sweeps):
-            for colour in (RED, BLACK):
-                relax_over(x, correction.b, h.weight, segments, h.table, channels, colour, factor, 0, len(segments))
-        return float(np.abs(np.subtract(x, before, out=before), out=before).max())
+        def step() -> float:
+            before[:] = x
+            for _ in range(sweeps):
+                for colour in (RED, BLACK):
+                    relax_over(
+                        x,
+                        correction.b,
+                        h.weight,
+                        segments,
+                        h.table,
+                        channels,
+                        colour,
+                        factor,
+                        0,
+                        len(segments),
+                    )
+            return float(np.abs(np.subtract(x, before, out=before), out=before).max())
 
-    rates = [FIRST_RHO]
+        rates = [FIRST_RHO]
 
-    def estimate(changes: list[float]) -> float:
-        observed = rate(changes)
-        if observed is not None:
-            rates.append(observed)
-        # Waves swell and ebb: one fast step proves nothing, the slowest of the last few is believed.
-        return error_bound(changes[-1], max(LEAST_RHO, *rates[-3:]))
+        def estimate(changes: list[float]) -> float:
+            observed = rate(changes)
+            if observed is not None:
+                rates.append(observed)
+            # Waves swell and ebb: one fast step proves nothing, the slowest of the last few is believed.
+            return error_bound(changes[-1], max(LEAST_RHO, *rates[-3:]))
 
-    return solve_in_stages(
-        correction,
-        step,
-        estimate,
-        tolerance=tolerance,
-        max_iterations=max_iterations,
-        method=lambda: f"sor omega={factor:.5g}",
-        floor=min(_rounding(float(factor)), STAGE_GAIN),
-        gain=STAGE_GAIN,
-        iterations_per_step=sweeps,
-    )
+        return solve_in_stages(
+            correction,
+            step,
+            estimate,
+            tolerance=tolerance,
+            max_iterations=max_iterations,
+            method=lambda: f"sor omega={factor:.5g}",
+            floor=min(_rounding(float(factor)), STAGE_GAIN),
+            gain=STAGE_GAIN,
+            iterations_per_step=sweeps,
+        )
 
 
 def _rounding(omega: float) -> float:

@@ -17,7 +17,7 @@ import numpy as np
 from solvers.cycles import Cycling
 from solvers.hierarchy import Hierarchy
 from solvers.kernels.exact import subtract_image
-from solvers.layout import Float32, field
+from solvers.layout import Float32, aligned_zeros, field_size
 
 STEPS = 6  # the Rayleigh quotient's error shrinks by about 0.15 per step; the guess is good from the start
 
@@ -29,7 +29,8 @@ def smallest_eigenvalue(hierarchy: Hierarchy) -> float:
     """lambda of A v = lambda D v: the smallest one, from above, to about a percent."""
     h = hierarchy
     diagonal = h.diagonal[: h.finest_size]
-    x, b = field(h.table, 1), field(h.table, 1)
+    size = field_size(h.table, 1)
+    x, b = aligned_zeros(size), aligned_zeros(size)
     v, image = x[: h.finest_size], b[: h.finest_size]
     cycling = Cycling(h, "F", channels=1)
     v[:] = h.weight[: h.finest_size] > 0
@@ -48,6 +49,8 @@ def smallest_eigenvalue(hierarchy: Hierarchy) -> float:
 
 def best_omega(hierarchy: Hierarchy) -> float:
     """The relaxation factor that red-black SOR needs fewest sweeps with, on this region."""
+    if hierarchy.unknowns[0] == 0:
+        return 1.0
     smallest = CAUTION * min(1.0, smallest_eigenvalue(hierarchy))
     return 2 / (1 + math.sqrt(smallest * (2 - smallest)))  # 1 - mu^2 with mu = 1 - lambda
 

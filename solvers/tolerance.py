@@ -14,8 +14,11 @@ It is computed anew, in float64, before success is claimed: whatever the iterati
 
 import math
 
-# In levels (1/255 of full scale).  A largest error of 5e-4 comes with a mean error of about 1e-4 or less, and then 99.99 %
-# of rounded 8-bit values are those of a direct solver: of values spread evenly, as many are misrounded as the mean error.
+from solvers.problem import OptionError
+
+# In levels (1/255 of full scale).  A largest error of 5e-4 comes with a mean error of about 1e-4 or less, and then
+# 99.99 % of rounded 8-bit values are those of a direct solver: of evenly spread values, the share that is rounded to
+# another integer is the mean error.
 DEFAULT_TOLERANCE = 5e-4
 
 # A row of A holds the number of neighbours once and -1 for each of them: 4 + 4 at most.
@@ -37,16 +40,16 @@ def error_bound(change: float, rho: float) -> float:
 
 
 def check_tolerance(tolerance: float) -> float:
-    """`tolerance` as a float; ValueError unless it is a positive number."""
+    """`tolerance` as a float; OptionError unless it is a positive number."""
     if not (math.isfinite(tolerance) and tolerance > 0):
-        raise ValueError(f"tolerance is {tolerance}, but must be a positive number of levels")
+        raise OptionError(f"tolerance is {tolerance}, but must be a positive number of levels")
     return float(tolerance)
 
 
 def check_iterations(max_iterations: int | None, default: int) -> int:
-    """`max_iterations`, or the default; ValueError unless it is positive."""
+    """`max_iterations`, or the default; OptionError unless it is positive."""
     if max_iterations is None:
         return default
     if max_iterations < 1:
-        raise ValueError(f"max_iterations is {max_iterations}, but must be at least 1")
+        raise OptionError(f"max_iterations is {max_iterations}, but must be at least 1")
     return int(max_iterations)

@@ -103,10 +103,11 @@ def compose(
             guidance = None
             mismatch = None
         else:
-            guess = source
+            # Where nothing is known the solution keeps the guess's mean: the destination's, as everywhere at the rim.
+            guess = source if not region.all() else source + (known.mean((0, 1)) - source.mean((0, 1)))
             guidance = field(known, source) if field is not None else None
             there = np.nonzero(placement.boundary() & placement.has_source())
-            mismatch = _mean_mismatch(known[there], guess[there], tone.level(destination.dtype))
+            mismatch = _mean_mismatch(known[there], source[there], tone.level(destination.dtype))
         values = np.where(inside, guess, known)
 
     with _timed(seconds, "solve"):

@@ -27,7 +27,7 @@ def averaged(destination: Values, source: Values) -> Guidance:
 
 
 def mixed(destination: Values, source: Values) -> Guidance:
-    """The stronger of both gradients, pair by pair and channel by channel; the source's where they are equal (eq. 13)."""
+    """The stronger gradient of the two, pair by pair and channel by channel; the source's in a draw (eq. 13)."""
     return _by_pair(_stronger, destination, source)
 
 

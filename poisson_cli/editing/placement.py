@@ -1,5 +1,6 @@
 """Where an edit happens: the selection made into Omega, and the window of the destination that is worked on."""
 
+import operator
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
@@ -117,17 +118,22 @@ def place(
             f"the mask is {_size(mask.shape)} but the {mask_on} is {_size(expected)}: give a mask of that size"
             f"{_other_way_out(mask.shape, source_shape, destination_shape, mask_on)}"
         )
+    if mask.dtype.kind == "f" and np.isnan(mask).any():
+        raise InputError("the mask has NaN values: give one that is zero or not zero everywhere")
     try:
-        row, col = (int(n) for n in offset)
+        row, col = (operator.index(n) for n in offset)
     except (TypeError, ValueError):
         raise InputError(f"offset is {offset!r}, but must be two whole numbers: (row, column)") from None
 
     # The part of the destination that the source covers, in the mask's own coordinates.
     shift = (row, col) if mask_on == "source" else (0, 0)
     low = [max(0, n) for n in (row, col)]
-    high = [min(d, n + s) for d, s, n in zip(destination_shape[:2], source_shape[:2], (row, col), strict=True)]
+    high = [
+        min(d, n + s) for d, s, n in zip(destination_shape[:2], source_shape[:2], (row, col), strict=True)
+    ]
     covered = mask[
-        max(0, low[0] - shift[0]) : max(0, high[0] - shift[0]), max(0, low[1] - shift[1]) : max(0, high[1] - shift[1])
+        max(0, low[0] - shift[0]) : max(0, high[0] - shift[0]),
+        max(0, low[1] - shift[1]) : max(0, high[1] - shift[1]),
     ]
     selected = covered != 0
     rows, cols = np.flatnonzero(selected.any(1)), np.flatnonzero(selected.any(0))
@@ -155,7 +161,11 @@ def place(
 
 def _size(shape: tuple[int, ...]) -> str:
     """A size as people say it, width first."""
-    return " x ".join(str(n) for n in (*shape[1::-1], *shape[2:])) if len(shape) >= 2 else f"{len(shape)}-dimensional"
+    return (
+        " x ".join(str(n) for n in (*shape[1::-1], *shape[2:]))
+        if len(shape) >= 2
+        else f"{len(shape)}-dimensional"
+    )
 
 
 def _other_way_out(

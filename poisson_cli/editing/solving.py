@@ -3,7 +3,7 @@
 from typing import Literal, TypedDict
 
 from poisson_cli.errors import InputError, NotConverged
-from solvers import DEFAULT_TOLERANCE, PoissonProblem, SolveResult, solve_multigrid, solve_sor
+from solvers import DEFAULT_TOLERANCE, OptionError, PoissonProblem, SolveResult, solve_multigrid, solve_sor
 from solvers.cycles import Cycle
 
 Solver = Literal["multigrid", "sor"]
@@ -57,8 +57,8 @@ def solve(
         elif solver == "sor":
             result = solve_sor(problem, tolerance=tolerance, max_iterations=max_iterations, threads=threads)
         else:
-            raise ValueError(f"solver is {solver!r}, but must be 'multigrid' or 'sor'")
-    except ValueError as error:
+            raise OptionError(f"solver is {solver!r}, but must be 'multigrid' or 'sor'")
+    except OptionError as error:
         raise InputError(str(error)) from error
     if not result.converged:
         unit = "cycles" if solver == "multigrid" else "sweeps"

@@ -36,7 +36,9 @@ def check_picture(name: str, picture: Any) -> NDArray[Any]:
         known = ", ".join(t.__name__ for t in FULL_SCALE)
         raise InputError(f"the {name} has values of type {array.dtype}; convert it to one of {known}")
     if array.ndim not in (2, 3) or array.size == 0:
-        raise InputError(f"the {name} has shape {array.shape}; a picture is (H, W) or (H, W, C) and not empty")
+        raise InputError(
+            f"the {name} has shape {array.shape}; a picture is (H, W) or (H, W, C) and not empty"
+        )
     return array
 
 
@@ -53,7 +55,8 @@ def to_working(name: str, stored: NDArray[Any]) -> Values:
     InputError
         If a value is NaN, infinite, or too large to compute with.
     """
-    working: Values = stored.astype(np.float64 if stored.dtype == np.float64 else np.float32)
+    working: Values
+    working = stored.astype(np.float64) if stored.dtype == np.float64 else stored.astype(np.float32)
     if stored.dtype.kind == "f" and working.size:
         if not (-LARGEST_VALUE < working.min() <= working.max() < LARGEST_VALUE):
             raise InputError(
@@ -84,5 +87,8 @@ def luminance(working: Values) -> Values:
     if working.shape[2] == 1:
         return working[:, :, 0]
     if working.shape[2] != 3:
-        raise InputError(f"luminance needs red, green and blue, but the source has {working.shape[2]} channels")
-    return working @ np.array(LUMINANCE, working.dtype)
+        raise InputError(
+            f"luminance needs red, green and blue, but the source has {working.shape[2]} channels"
+        )
+    grey: Values = working @ np.array(LUMINANCE, working.dtype)
+    return grey

@@ -1,7 +1,8 @@
 """The paper's tools, each a few lines over one pipeline.
 
 Pictures are (H, W) or (H, W, C) arrays of uint8, uint16, float32 or float64; floats have full scale 1.  The result
-has the destination's shape and dtype; outside the selection it is the destination, bit for bit.  No argument is modified.
+has the destination's shape and dtype; outside the selection it is the destination, bit for bit.  No argument is
+modified.
 
 The functions here return an `Edit`: the picture and a report.  `poisson_cli.clone` and so on are the same functions
 and return the picture alone.
@@ -148,4 +149,4 @@ def _spread(g: Values, destination: NDArray[Any]) -> Values:
         raise InputError(
             f"the source has {g.shape[2]} channels but the destination has {channels}: convert one of them"
         )
-    return np.broadcast_to(g, (*g.shape[:2], channels))
+    return g if g.shape[2] == channels else g[:, :, [0] * channels]

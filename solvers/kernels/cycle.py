@@ -25,6 +25,7 @@ def bits_of(value):
 
 @jit
 def largest_of(a, b):
+    """The larger one of two bit patterns."""
     return a if a > b else b
 
 
@@ -52,7 +53,9 @@ def relax_finest(x, b, weight, size, stride, plane, quarter, at, n):
 
 
 @jit
-def relax_coarse(x, b, weight, edge_e, edge_s, scratch, size, stride, plane, coefficients, skip, quarter, at, n):
+def relax_coarse(
+    x, b, weight, edge_e, edge_s, scratch, size, stride, plane, coefficients, skip, quarter, at, n
+):
     """The same on a coarse level, whose coefficients begin at `coefficients`, and at `skip` less in the edge fields."""
     o = quarter * size + at
     own, rhs, w = x[plane + o : plane + o + n], b[plane + o : plane + o + n], weight[coefficients + o :][:n]
@@ -101,7 +104,12 @@ def add_residual_finest(total, x, b, weight, diagonal, plane, size, stride, quar
     """total += residual of a stretch of one quarter of the finest level."""
     n = total.shape[0]
     o = quarter * size + at
-    w, d, own, rhs = weight[o : o + n], diagonal[o : o + n], x[plane + o : plane + o + n], b[plane + o : plane + o + n]
+    w, d, own, rhs = (
+        weight[o : o + n],
+        diagonal[o : o + n],
+        x[plane + o : plane + o + n],
+        b[plane + o : plane + o + n],
+    )
     o = plane + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride)
     north, south = x[o : o + n], x[o + stride : o + stride + n]
     o = plane + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1)
@@ -111,7 +119,9 @@ def add_residual_finest(total, x, b, weight, diagonal, plane, size, stride, quar
 
 
 @jit
-def add_residual_coarse(total, x, b, diagonal, edge_e, edge_s, plane, coefficients, skip, size, stride, quarter, at):
+def add_residual_coarse(
+    total, x, b, diagonal, edge_e, edge_s, plane, coefficients, skip, size, stride, quarter, at
+):
     """total += residual of a stretch of one quarter of a coarse level."""
     n = total.shape[0]
     o = quarter * size + at
@@ -152,7 +162,9 @@ def hand_down(x, b, sums, table, level, channels, channel, row, low):
 
 
 @jit
-def restrict_segment(x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, channel, k):
+def restrict_segment(
+    x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, channel, k
+):
     """Right-hand side of level + 1 below a segment: each cell the sum of its children's residuals.  Its x becomes zero.
 
     A black half sweep must have come before: black residuals are then zero, and only the red ones are computed.
@@ -168,7 +180,19 @@ def restrict_segment(x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segm
             add_residual_finest(total, x, b, weight, diagonal, plane, size, stride, quarter, at)
         else:
             add_residual_coarse(
-                total, x, b, diagonal, edge_e, edge_s, plane, offset, table[1, OFFSET], size, stride, quarter, at
+                total,
+                x,
+                b,
+                diagonal,
+                edge_e,
+                edge_s,
+                plane,
+                offset,
+                table[1, OFFSET],
+                size,
+                stride,
+                quarter,
+                at,
             )
     for run in range(segments[k, 2], segments[k, 3]):
         row, low, n = np.int64(runs[run, 0]), np.int64(runs[run, 1]), np.int64(runs[run, 2]) - runs[run, 1]
@@ -276,23 +300,42 @@ def sweep(
             # Interpolation goes ahead of the red segment at hand, as far as that one reads.
             reach = segments[r, 1] + stride + 1 if r < red_to else far_off
             while p < prolong_to and segments[p, 0] < reach:
-                change = prolong_segment(x, weight, scratch, runs, segments, table, level, channels, channel, p)
+                change = prolong_segment(
+                    x, weight, scratch, runs, segments, table, level, channels, channel, p
+                )
                 by_correction = largest_of(by_correction, change)
                 p += 1
             if r < red_to:
-                relax_segment(x, b, weight, edge_e, edge_s, scratch, segments, table, level, plane, skip, 0, r)
+                relax_segment(
+                    x, b, weight, edge_e, edge_s, scratch, segments, table, level, plane, skip, 0, r
+                )
                 r += 1
             # Black cells follow once no red one that is still to come touches them,
             clear = segments[r, 0] if r < red_to else far_off
             while k < black_to and segments[k, 1] + stride + 1 <= clear:
-                change = relax_segment(x, b, weight, edge_e, edge_s, scratch, segments, table, level, plane, skip, 1, k)
+                change = relax_segment(
+                    x, b, weight, edge_e, edge_s, scratch, segments, table, level, plane, skip, 1, k
+                )
                 by_sweep = largest_of(by_sweep, change)
                 k += 1
             # and residuals once no black one does.
             clear = segments[k, 0] if k < black_to else clear
             while d < restrict_to and segments[d, 1] + stride + 1 <= clear:
                 restrict_segment(
-                    x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, channel, d
+                    x,
+                    b,
+                    weight,
+                    diagonal,
+                    edge_e,
+                    edge_s,
+                    scratch,
+                    runs,
+                    segments,
+                    table,
+                    level,
+                    channels,
+                    channel,
+                    d,
                 )
                 d += 1
             if r >= red_to and k >= black_to and p >= prolong_to and d >= restrict_to:
@@ -349,7 +392,21 @@ def solve_coarsest(x, b, band, cells, scratch64, table, level, channels):
 
 @jit
 def run_steps(
-    x, b, weight, diagonal, edge_e, edge_s, band, cells, scratch, scratch64, runs, segments, table, steps, channels
+    x,
+    b,
+    weight,
+    diagonal,
+    edge_e,
+    edge_s,
+    band,
+    cells,
+    scratch,
+    scratch64,
+    runs,
+    segments,
+    table,
+    steps,
+    channels,
 ):
     """Runs steps of a cycle, (n, 2) int64: what to do, and on which level.
 
@@ -364,18 +421,13 @@ def run_steps(
             change = solve_coarsest(x, b, band, cells, scratch64, table, level, channels)
             if level == 0:
                 correction = change
-        elif step == DOWN:
-            _, change = sweep(
-                x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels,
-                first, first, first, end, first, end, first, end,
-            )  # fmt: skip
-            if level == 0:
-                before = change
-        else:
-            corrected, change = sweep(
-                x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels,
-                first, end, first, end, first, end, first, first,
-            )  # fmt: skip
-            if level == 0:
-                correction, after = corrected, change
+            continue
+        corrected, change = sweep(
+            x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels,
+            first, end if step == UP else first, first, end, first, end, first, end if step == DOWN else first,
+        )  # fmt: skip
+        if level == 0 and step == UP:
+            correction, after = corrected, change
+        elif level == 0:
+            before = change
     return before, correction, after

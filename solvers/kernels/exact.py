@@ -54,12 +54,16 @@ def assemble(b, scratch64, values, across, down, rhs, weight, runs, table):
             # Horizontal pairs: the first pixel of a row has no west, the last one no east neighbour.
             begin = channels if low == 0 else 0
             if n > begin:
-                other = values[row].reshape(-1)[low * channels + begin - channels : high * channels - channels]
+                other = values[row].reshape(-1)[
+                    low * channels + begin - channels : high * channels - channels
+                ]
                 here, sums = own[begin:], line[begin:]
                 for i in range(n - begin):
                     sums[i] += np.float64(other[i]) - here[i]
                 if guided:
-                    v = across[row].reshape(-1)[low * channels + begin - channels : high * channels - channels]
+                    v = across[row].reshape(-1)[
+                        low * channels + begin - channels : high * channels - channels
+                    ]
                     for i in range(n - begin):
                         sums[i] -= v[i]
             m = n - channels if high == width else n
@@ -158,5 +162,3 @@ def subtract_image(b, scratch64, x, weight, diagonal, segments, table, channels,
                     for i in range(n):
                         rhs[i] = r[i]
     return largest
-
-

@@ -183,8 +183,8 @@ def scatter_row(coarse, scratch, at, size, n):
 def coarsen_region(edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, scratch, weight, runs, table):
     """Conductances of level 1 from the region: `coarsen` with all fine conductances 0 or 1.
 
-    The six fields begin at level 1 and hold zeros; they are written at the places of the finest level's `runs`, which are
-    the cells of level 1.  weight: of the finest level, positive where unknown.  scratch: 13 rows of the finest level.
+    The six fields begin at level 1 and hold zeros; they are written at the places of the finest level's `runs`, which
+    are the cells of level 1.  weight: the finest level's, positive where unknown.  scratch: 13 of its rows.
     """
     height, width, cols = table[0, HEIGHT], table[0, WIDTH], table[0, COLS]
     stride, size = table[0, STRIDE], table[0, QUARTER]
@@ -196,7 +196,12 @@ def coarsen_region(edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, scratch, weig
         n = np.int64(runs[k, 2]) - low
         at = (row + 1) * stride + low
         # 1 where unknown: the block's cells nw ne sw se, and around them n_w n_e (above), s_w s_e, w_n w_s, e_n e_s.
-        nw, ne, sw, se = scratch[:n], scratch[stride:][:n], scratch[2 * stride :][:n], scratch[3 * stride :][:n]
+        nw, ne, sw, se = (
+            scratch[:n],
+            scratch[stride:][:n],
+            scratch[2 * stride :][:n],
+            scratch[3 * stride :][:n],
+        )
         n_w, n_e = scratch[4 * stride :][:n], scratch[5 * stride :][:n]
         s_w, s_e = scratch[6 * stride :][:n], scratch[7 * stride :][:n]
         w_n, w_s = scratch[8 * stride :][:n], scratch[9 * stride :][:n]
@@ -223,8 +228,8 @@ def coarsen_region(edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, scratch, weig
             line[i] = half * (sw[i] * s_w[i] + se[i] * s_e[i])
         scatter_row(edge_s, line, to, coarse_size, n)
 
-        # A known value beside the block moves away from its centre, one inside the block comes nearer.  Beyond the edge of
-        # the image there is no value: nothing counts that would lie there.
+        # A known value beside the block moves away from its centre, one inside the block comes nearer.  Beyond the
+        # edge of the image there is no value: nothing counts that would lie there.
         beside = away if row > 0 else zero
         for i in range(n):
             line[i] = beside * (nw[i] * (one - n_w[i]) + ne[i] * (one - n_e[i]))
@@ -266,6 +271,7 @@ def add_moved(total, beside, within):
 
 @jit
 def coarsen_leak(leak, scratch, at, size, coarse_at, coarse_size, n, beside_1, beside_2, within_1, within_2):
+    """One direction's leak of a row of coarse cells, from the quarters beside the known value and within."""
     total = scratch[:n]
     for i in range(n):
         total[i] = 0
@@ -282,7 +288,11 @@ def coarsen(edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, scratch, runs, table
 
     The six fields begin at level 1.  runs: of `level`.  scratch: a row of the finest level.
     """
-    stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET] - table[1, OFFSET]
+    stride, size, offset = (
+        table[level, STRIDE],
+        table[level, QUARTER],
+        table[level, OFFSET] - table[1, OFFSET],
+    )
     coarse_stride, coarse_size = table[level + 1, STRIDE], table[level + 1, QUARTER]
     coarse_offset = table[level + 1, OFFSET] - table[1, OFFSET]
     for k in range(runs.shape[0]):
@@ -307,7 +317,7 @@ def coarsen(edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, scratch, runs, table
 
 @jit
 def weigh(weight, diagonal, edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, segments, table, level):
-    """A coarse level's diagonal, the sum of a cell's conductances, and weight, its inverse; returns the number of cells."""
+    """A coarse level's diagonal, the sum of a cell's conductances, and its inverse; returns the number of cells."""
     stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
     skip = table[1, OFFSET]
     cells = 0
@@ -357,5 +367,3 @@ def factor_band(band):
         for m in range(1, min(bandwidth, i) + 1):
             total -= band[i, m] * band[i, m]
         band[i, 0] = np.sqrt(total)
-
-
