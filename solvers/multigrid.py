@@ -1,9 +1,10 @@
 """Multigrid: V-, F- and W-cycles on a region of any shape."""
 
+from solvers.correction import Correction
 from solvers.cycles import CYCLES, Cycle, Cycling
 from solvers.memory import borrowed_arena
 from solvers.problem import OptionError, PoissonProblem
-from solvers.refinement import Correction, solve_in_stages
+from solvers.refinement import solve_in_stages
 from solvers.result import SolveResult
 from solvers.tolerance import (
     DEFAULT_TOLERANCE,

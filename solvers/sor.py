@@ -2,10 +2,11 @@
 
 import numpy as np
 
+from solvers.correction import Correction
 from solvers.kernels.cycle import BLACK, RED, relax_over
 from solvers.memory import borrowed_arena
 from solvers.problem import OptionError, PoissonProblem
-from solvers.refinement import Correction, solve_in_stages
+from solvers.refinement import solve_in_stages
 from solvers.result import SolveResult
 from solvers.spectrum import best_omega
 from solvers.tolerance import (
