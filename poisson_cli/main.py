@@ -15,6 +15,7 @@ import click
 
 from poisson_cli import __version__, commands, errors
 from poisson_cli.options import Chatter
+from poisson_cli.streams import silence
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -129,8 +130,7 @@ def main() -> None:
     except BrokenPipeError:
         code = errors.BROKEN_PIPE
     if code == errors.BROKEN_PIPE:
-        # The interpreter flushes once more as it ends, and would complain.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        silence(sys.stdout)
     sys.exit(code)
 
 

@@ -244,7 +244,6 @@ reporting: Final = _bundle(
             "--verbose",
             is_flag=True,
             callback=_remember_verbose,
-            is_eager=True,
             help="Say more on stderr; show the traceback of an unforeseen error.",
         ),
         click.option("--json", is_flag=True, help="Print what was done as one JSON object on stdout."),

@@ -5,11 +5,12 @@ Rows and columns are turned back into X,Y here, as `params` turned them the othe
 
 from __future__ import annotations
 
-import contextlib
 import json
 import math
 import sys
 from typing import TYPE_CHECKING, Any, TextIO
+
+from poisson_cli.streams import silence
 
 if TYPE_CHECKING:
     from poisson_cli.job import Summary
@@ -39,8 +40,10 @@ def tell(summary: Summary, reporting: Reporting) -> None:
 
 
 def _print(text: str, stream: TextIO) -> None:
-    with contextlib.suppress(BrokenPipeError):
+    try:
         print(text, file=stream, flush=True)
+    except BrokenPipeError:
+        silence(stream)
 
 
 def line(summary: Summary) -> str:

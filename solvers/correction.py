@@ -1,6 +1,7 @@
 """The correction to a first guess: what the solvers iterate on, held in float32, with its residual in float64."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -95,10 +96,10 @@ class Correction:
         bits = kernels.subtract_image(self.b, scratch64, self.x, *where, keep)
         return float(np.int64(bits).view(np.float64))
 
-    def solution(self) -> Values:
-        """The problem's values plus the correction; outside the region the same bits."""
+    def solution(self, dtype: type[np.floating[Any]] | None = None) -> Values:
+        """The problem's values plus the correction, in their dtype or in `dtype`; outside the region the same bits."""
         problem, h = self.problem, self.hierarchy
-        solution = problem.values.copy()
+        solution: Values = problem.values.astype(dtype or problem.values.dtype)
         view = _with_channels(solution)
         kernels.add_solution(view, self.total, self.x, h.weight, h.finest_runs, h.table)
         if problem.floating:

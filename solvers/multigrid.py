@@ -1,16 +1,22 @@
 """Multigrid: V-, F- and W-cycles on a region of any shape."""
 
+from dataclasses import replace
+
+import numpy as np
+
+from solvers.certificate import Solver, proven_error
 from solvers.correction import Correction
 from solvers.cycles import CYCLES, Cycle, Cycling
 from solvers.memory import borrowed_arena
-from solvers.problem import OptionError, PoissonProblem
+from solvers.problem import OptionError, PoissonProblem, Values
 from solvers.refinement import solve_in_stages
-from solvers.result import SolveResult
+from solvers.result import Progress, SolveResult
 from solvers.tolerance import (
     DEFAULT_TOLERANCE,
     check_iterations,
     check_tolerance,
-    error_bound,
+    estimate,
+    next_rate,
     rate,
 )
 
@@ -18,6 +24,8 @@ from solvers.tolerance import (
 LEAST_RHO = 0.15
 # Until two changes can be compared.
 FIRST_RHO = 0.25
+# A proposal for a certificate is judged by what it proves, not by a tolerance.
+ANY_TOLERANCE = float(np.finfo(np.float64).tiny)
 # A cycle that contracts no better than this is replaced by a stronger one.
 STALLING_RHO = 0.4
 
@@ -34,6 +42,8 @@ def solve_multigrid(
     tolerance: float = DEFAULT_TOLERANCE,
     max_iterations: int | None = None,
     threads: int | None = None,
+    certify: bool = False,
+    progress: Progress | None = None,
 ) -> SolveResult:
     """Solves eq. (7) of Perez et al. 2003 by multigrid.
 
@@ -49,6 +59,10 @@ def solve_multigrid(
         Cycles after which to give up, 100 by default; the result then has ``converged`` False.
     threads : int, optional
         Threads to use; the solution is the same, bit for bit, for any number.
+    certify : bool
+        Also prove a bound of the error, ``error_bound``; about as dear as solving once more.
+    progress : callable, optional
+        Called after each cycle with the number of cycles and the estimated error in levels.
 
     Raises
     ------
@@ -65,23 +79,40 @@ def solve_multigrid(
     with borrowed_arena() as arena:
         correction = Correction.of(problem, arena)
         cycling = Cycling(correction.hierarchy, cycle, problem.channels)
-        rates = [FIRST_RHO]
+        rates: list[float] = []
 
-        def estimate(changes: list[float]) -> float:
+        def estimated_error(changes: list[float]) -> float:
             observed = rate(changes)
             if observed is not None:
                 rates.append(observed)
                 if observed > STALLING_RHO:
                     cycling.strengthen()
-            return error_bound(changes[-1], max(LEAST_RHO, *rates[-2:]))
+            return estimate(changes[-1], max(LEAST_RHO, next_rate(rates)) if rates else FIRST_RHO)
 
-        return solve_in_stages(
+        result = solve_in_stages(
             correction,
             lambda: cycling.run(correction.x, correction.b),
-            estimate,
+            estimated_error,
             tolerance=tolerance,
             max_iterations=max_iterations,
             method=lambda: "multigrid " + ", then ".join(cycling.names),
             floor=min(1e-6 * max(1.0, problem.unknowns / 2e4), STAGE_GAIN / 2),  # as measured on disks
             gain=STAGE_GAIN,
+            progress=progress,
         )
+        if certify:
+            precise = correction.solution(np.float64)
+            bound = proven_error(problem, precise, result.solution, propose(threads))
+            result = replace(result, error_bound=bound)
+        return result
+
+
+def propose(threads: int | None) -> Solver:
+    """A solver for `proven_error`."""
+
+    def solution(problem: PoissonProblem, cycles: int) -> Values:
+        return solve_multigrid(
+            problem, tolerance=ANY_TOLERANCE, max_iterations=cycles, threads=threads
+        ).solution
+
+    return solution

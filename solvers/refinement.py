@@ -14,7 +14,7 @@ from collections.abc import Callable
 import numpy as np
 
 from solvers.correction import Correction
-from solvers.result import SolveResult
+from solvers.result import Progress, SolveResult
 
 
 def solve_in_stages(
@@ -28,6 +28,7 @@ def solve_in_stages(
     floor: float,
     gain: float,
     iterations_per_step: int = 1,
+    progress: Progress | None = None,
 ) -> SolveResult:
     """Runs an iteration on x until the stop rule of `tolerance` holds.
 
@@ -47,6 +48,8 @@ def solve_in_stages(
         A stage ends when the error is this share of its x; at least `floor`.
     iterations_per_step : int
         How many iterations (sweeps, cycles) a step is; `max_iterations` counts them.
+    progress : callable, optional
+        Told after each step: iterations done, estimated error in levels.
     """
     problem = correction.problem
     level = problem.level
@@ -59,6 +62,8 @@ def solve_in_stages(
         size = changes[0]  # x began at zero: its first change is about its size
         error = max(estimate(changes), floor * size)
         history.append(error)
+        if progress is not None:
+            progress(len(history) * iterations_per_step, float(error))
         if not np.isfinite(changes[-1]):
             break
         if error <= tolerance and (correction.exact or stage > 0):

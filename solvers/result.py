@@ -1,8 +1,12 @@
 """What a solver returns."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from solvers.problem import Values
+
+Progress = Callable[[int, float], None]
+"""Told while a solver iterates: cycles or sweeps so far, and the estimate of the largest error, in levels."""
 
 
 @dataclass(frozen=True)
@@ -29,6 +33,12 @@ class SolveResult:
         Unknown pixels.
     floating : bool
         True if no pixel was known, so that the mean of the first guess was kept.
+    error_bound : float or None
+        Proven upper bound of the largest error in any pixel of `solution`, in levels, its rounding to the dtype
+        included; see `solvers.certificate`.  None if it was not asked for (``certify``).  `converged` goes by the
+        estimate.
+    advice : str or None
+        A way that would have been far faster.
     """
 
     solution: Values
@@ -40,3 +50,5 @@ class SolveResult:
     method: str
     unknowns: int
     floating: bool
+    error_bound: float | None = None
+    advice: str | None = None

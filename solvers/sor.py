@@ -1,19 +1,26 @@
 """Red-black Gauss-Seidel with successive over-relaxation."""
 
-import numpy as np
+from dataclasses import replace
+from itertools import pairwise
 
+import numpy as np
+from numpy.typing import NDArray
+
+from solvers.certificate import proven_error
 from solvers.correction import Correction
 from solvers.kernels.cycle import BLACK, RED, relax_over
+from solvers.layout import Float32
 from solvers.memory import borrowed_arena
+from solvers.multigrid import propose
 from solvers.problem import OptionError, PoissonProblem
 from solvers.refinement import solve_in_stages
-from solvers.result import SolveResult
+from solvers.result import Progress, SolveResult
 from solvers.spectrum import best_omega
 from solvers.tolerance import (
     DEFAULT_TOLERANCE,
     check_iterations,
     check_tolerance,
-    error_bound,
+    estimate,
     rate,
 )
 
@@ -30,6 +37,15 @@ STAGE_GAIN = 1e-2
 FIRST_RHO = 0.5  # until two steps can be compared
 LEAST_RHO = 0.25
 
+# A solve by multigrid takes as long as about so many sweeps, on regions of any shape and size,
+MULTIGRID_IN_SWEEPS = 100
+# and is recommended where it is this much faster, and that is more than a moment: a sweep visits a value in about 1 ns.
+FAR_FASTER = 4
+MOMENT = 5e8  # visits of a value
+
+# Values that one compiled call visits at most, or about .1 s: Python answers an interrupt only between calls.
+CALL = 1 << 26
+
 
 def solve_sor(
     problem: PoissonProblem,
@@ -38,6 +54,8 @@ def solve_sor(
     tolerance: float = DEFAULT_TOLERANCE,
     max_iterations: int | None = None,
     threads: int | None = None,
+    certify: bool = False,
+    progress: Progress | None = None,
 ) -> SolveResult:
     """Solves eq. (7) of Perez et al. 2003 by Gauss-Seidel iteration with successive over-relaxation.
 
@@ -52,6 +70,10 @@ def solve_sor(
         Sweeps after which to give up, 100,000 by default; the result then has ``converged`` False.
     threads : int, optional
         Threads to use; the solution is the same, bit for bit, for any number.
+    certify : bool
+        Also prove a bound of the error, ``error_bound``, with the help of multigrid.
+    progress : callable, optional
+        Called after each few sweeps with the number of sweeps and the estimated error in levels.
 
     Raises
     ------
@@ -69,49 +91,72 @@ def solve_sor(
         correction = Correction.of(problem, arena)
         h, channels = correction.hierarchy, problem.channels
         factor = np.float32(best_omega(h) if omega is None else omega)
-        segments = h.finest_segments
         sweeps = min(max_iterations, max(1, round(SPAN / (2 - float(factor)))))
         x = correction.x[: correction.total.size]
         before = np.empty_like(x)
+        where = h.weight, h.finest_segments, h.table, channels
+        bands = _bands(h.finest_segments, 4 * channels)
 
         def step() -> float:
             before[:] = x
             for _ in range(sweeps):
                 for colour in (RED, BLACK):
-                    relax_over(
-                        x,
-                        correction.b,
-                        h.weight,
-                        segments,
-                        h.table,
-                        channels,
-                        colour,
-                        factor,
-                        0,
-                        len(segments),
-                    )
-            return float(np.abs(np.subtract(x, before, out=before), out=before).max())
+                    for first, end in bands:
+                        relax_over(x, correction.b, *where, colour, factor, first, end)
+            return _largest_change(x, before)
 
         rates = [FIRST_RHO]
 
-        def estimate(changes: list[float]) -> float:
+        def estimated_error(changes: list[float]) -> float:
             observed = rate(changes)
             if observed is not None:
                 rates.append(observed)
             # Waves swell and ebb: one fast step proves nothing, the slowest of the last few is believed.
-            return error_bound(changes[-1], max(LEAST_RHO, *rates[-3:]))
+            return estimate(changes[-1], max(LEAST_RHO, *rates[-3:]))
 
-        return solve_in_stages(
+        result = solve_in_stages(
             correction,
             step,
-            estimate,
+            estimated_error,
             tolerance=tolerance,
             max_iterations=max_iterations,
             method=lambda: f"sor omega={factor:.5g}",
             floor=min(_rounding(float(factor)), STAGE_GAIN),
             gain=STAGE_GAIN,
             iterations_per_step=sweeps,
+            progress=progress,
         )
+        result = replace(result, advice=_advice(result.iterations, problem.unknowns * channels))
+        if certify:
+            precise = correction.solution(np.float64)
+            bound = proven_error(problem, precise, result.solution, propose(threads))
+            result = replace(result, error_bound=bound)
+        return result
+
+
+def _bands(segments: NDArray[np.int64], lines: int) -> list[tuple[int, int]]:
+    """Ranges of segments, each of them for one call; a half sweep visits `lines` / 2 values at a place."""
+    visits = np.cumsum(segments[:, 1] - segments[:, 0]) * (lines // 2)
+    calls = np.flatnonzero(np.diff(visits // CALL)) + 1
+    return list(pairwise([0, *calls.tolist(), len(segments)]))
+
+
+def _largest_change(x: Float32, before: Float32) -> float:
+    """max|x - before|; `before` is lost."""
+    largest = np.float32(0)
+    for first in range(0, x.size, CALL):
+        change = before[first : first + CALL]
+        np.abs(np.subtract(x[first : first + CALL], change, out=change), out=change)
+        largest = np.maximum(largest, change.max())  # a NaN stays
+    return float(largest)
+
+
+def _advice(sweeps: int, values: int) -> str | None:
+    """Whether to use multigrid instead, after so many sweeps over so many values."""
+    faster = sweeps / MULTIGRID_IN_SWEEPS
+    if faster < FAR_FASTER or sweeps * float(values) < MOMENT:
+        return None
+    return f"multigrid would be about {float(f'{faster:.1g}'):,.0f} times as fast"
 
 
 def _rounding(omega: float) -> float:

@@ -5,11 +5,13 @@ An iteration that contracts the error by rho a step, |e_k| <= rho |e_(k-1)|, mov
     |e_k| <= rho / (1 - rho) * max|x_k - x_(k-1)|        and we stop when the right side is <= tolerance
 
 in the maximum norm: `tolerance` is the largest error allowed in any pixel.  rho is observed, as the ratio of successive
-changes, and never believed to be below a floor, because a lucky ratio must not end a solve.  A residual norm says
-nothing of this kind: the residual of a smooth error is smaller than the error by the square of the region's width.
+changes, and never believed to be below a floor, because a lucky ratio must not end a solve.  Errors that vanish slowly
+are what is left of all errors after a while: a ratio that rises is taken to rise on (`next_rate`).  A residual norm
+says nothing of this kind: the residual of a smooth error is smaller than the error by the square of the region's width.
 
 The residual does give a bound from below, |e| >= max|r| / 8, for no row of A sums to more than 8 in absolute value.
 It is computed anew, in float64, before success is claimed: whatever the iteration believes, it cannot hide a residual.
+`solvers.certificate` gives a bound from above that is proven, for the price of another solve.
 """
 
 import math
@@ -24,6 +26,11 @@ DEFAULT_TOLERANCE = 5e-4
 # A row of A holds the number of neighbours once and -1 for each of them: 4 + 4 at most.
 LARGEST_ROW_SUM = 8.0
 
+# A rate rises at most so much from one step to the next, as measured,
+LARGEST_GROWTH = 2.0
+# and one that is this slow already is near its last value.
+SLOW = 0.5
+
 
 def rate(changes: list[float]) -> float | None:
     """Contraction per step: the last change against the one before it; None where there is none before it."""
@@ -32,7 +39,16 @@ def rate(changes: list[float]) -> float | None:
     return changes[-1] / changes[-2] if changes[-2] > 0 else 0.0
 
 
-def error_bound(change: float, rho: float) -> float:
+def next_rate(rates: list[float]) -> float:
+    """What to expect of the next step: the slower one of the last two rates, or more if they rise; 0 without any."""
+    last = rates[-2:]
+    if len(last) < 2 or not 0 < last[0] < last[1]:
+        return max(last, default=0.0)
+    growth = min(last[1] / last[0], LARGEST_GROWTH)
+    return max(last[1], min(last[1] * growth, SLOW))
+
+
+def estimate(change: float, rho: float) -> float:
     """rho / (1 - rho) * change; infinite where nothing contracts."""
     if change == 0.0:
         return 0.0

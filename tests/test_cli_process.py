@@ -124,8 +124,13 @@ def test_a_signal_ends_it_with_its_own_code(folder, number, code, text, heard_si
     os.mkfifo("pipe")
     words = [*POISSON, "fill", "pipe", "--rect", "1,1,9,9", "-o", "out.png"]
     with subprocess.Popen(words, stderr=subprocess.PIPE, text=True) as process, writing_to("pipe", process):
-        process.send_signal(number)
-        _, err = process.communicate()
+        err = None
+        while err is None:
+            process.send_signal(number)
+            try:
+                _, err = process.communicate(timeout=5)
+            except subprocess.TimeoutExpired:  # it came just before the process fell asleep: say it again
+                continue
     assert (process.returncode, err) == (code, text)
     assert not Path("out.png").exists()
 

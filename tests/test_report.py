@@ -1,0 +1,101 @@
+"""What a run says about itself, word by word."""
+
+import dataclasses
+import json
+from pathlib import Path
+
+import pytest
+
+from poisson_cli import report
+from poisson_cli.editing import EditReport
+from poisson_cli.job import Summary
+
+EDIT = EditReport(
+    tool="clone",
+    rectangle=(60, 40, 180, 200),
+    unknowns=12345,
+    solver="multigrid",
+    cycle="F",
+    method="multigrid F",
+    iterations=6,
+    tolerance=5e-4,
+    error_estimate=1.53e-4,
+    floating=False,
+    boundary_mismatch=(12.345, 6.0, 0.04),
+    clipped=0,
+    seconds={"solve": 0.02},
+)
+SUMMARY = Summary(
+    edit=EDIT,
+    selected=12345,
+    output=Path("out.png"),
+    seconds={"read": 0.01, "solve": 0.02, "write": 0.001},
+    profile_dropped=False,
+)
+
+
+def changed(**changes: object) -> Summary:
+    edit = {name: value for name, value in changes.items() if hasattr(EDIT, name) and name != "seconds"}
+    rest = {name: value for name, value in changes.items() if name not in edit}
+    return dataclasses.replace(SUMMARY, edit=dataclasses.replace(EDIT, **edit), **rest)
+
+
+def test_the_line():
+    assert report.line(SUMMARY) == (
+        "clone: 12,345 pixels at 40,60 (200x180), multigrid F x 6, error < 0.0002 levels, 31 ms -> out.png"
+    )
+
+
+@pytest.mark.parametrize(
+    ("changes", "part"),
+    [
+        ({"unknowns": 1}, "clone: 1 pixel at"),
+        ({"method": "multigrid V, then F"}, ", multigrid V then F x 6, "),
+        ({"solver": "sor", "cycle": None, "method": "sor omega=1.96", "iterations": 400}, ", sor x 400, "),
+        ({"error_estimate": 0.0}, ", error < 0.000001 levels, "),
+        ({"error_estimate": 2e-9}, ", error < 0.000001 levels, "),
+        ({"error_estimate": 2e-4}, ", error < 0.0002 levels, "),
+        ({"error_estimate": 2.01e-4}, ", error < 0.0003 levels, "),
+        ({"error_estimate": 9.5e-4}, ", error < 0.0010 levels, "),
+        ({"error_estimate": 0.31}, ", error < 0.4 levels, "),
+        ({"error_estimate": 1.0}, ", error < 1 levels, "),
+        ({"error_estimate": 37.2}, ", error < 38 levels, "),
+        ({"floating": True}, ", no known pixel around a part: its mean is kept, "),
+        ({"clipped": 1}, ", 1 value clipped, "),
+        ({"clipped": 5678}, ", 5,678 values clipped, "),
+        ({"profile_dropped": True}, ", colour profile dropped: the format cannot hold it, "),
+        ({"seconds": {"solve": 0.9996}}, ", 1000 ms -> "),
+        ({"seconds": {"read": 0.7, "solve": 1.75}}, ", 2.5 s -> "),
+    ],
+    ids=str,
+)
+def test_parts_of_the_line(changes, part):
+    assert part in report.line(changed(**changes))
+
+
+def test_the_details():
+    assert report.details(changed(selected=13000, clipped=1)).splitlines() == [
+        "  selected  13,000 pixels, 12,345 of them inside the picture",
+        "  mismatch  12.3, 6.0, 0.0 levels between source and destination along the boundary, mean",
+        "  method    multigrid F",
+        "  error     0.00015 levels estimated, 0.0005 allowed",
+        "  clipped   1 value outside 0..255",
+        "  stages    read 10 ms, solve 20 ms, write 1 ms",
+    ]
+    shorter = report.details(changed(boundary_mismatch=None))
+    assert "mismatch" not in shorter
+    assert shorter.startswith("  selected  12,345 pixels, all of them inside the picture\n")
+
+
+def test_the_object():
+    told = json.loads(json.dumps(report.as_dict(SUMMARY)))
+    assert told["rectangle"] == {"x": 40, "y": 60, "width": 200, "height": 180}
+    assert told["boundary_mismatch"] == [12.345, 6.0, 0.04]
+    assert told["seconds"]["total"] == pytest.approx(0.031)
+    assert report.as_dict(changed(boundary_mismatch=None))["boundary_mismatch"] is None
+
+
+def test_a_clone_onto_itself_has_something_to_say(folder, poisson):
+    ran = poisson("clone", "grey.png", "grey.png", "-m", "dest-mask.png", "-o", "out.png")
+    assert "error < 0.000001 levels" in ran.err
+    assert ran.code == 0
