@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from solvers.hierarchy import Hierarchy
 from solvers.kernels.cycle import COARSEST, DOWN, UP, run_steps
-from solvers.layout import LANES, STRIDE, Float32, aligned_zeros
+from solvers.layout import FIRST_SEGMENT, LANES, STRIDE, Float32, aligned_zeros
+from solvers.team import WORTH_SHARING, Band, Team
 
 Cycle = Literal["V", "F", "W"]
 CYCLES: tuple[Cycle, ...] = get_args(Cycle)
@@ -42,35 +43,118 @@ def walk(cycle: Cycle, level: int, coarsest: int) -> Iterator[tuple[int, int]]:
     yield UP, level
 
 
-def steps_of(cycle: Cycle, n_levels: int) -> NDArray[np.int64]:
-    """The steps of one cycle over `n_levels` levels, (n, 2) int64: step, level."""
-    return np.array(list(walk(cycle, 0, n_levels - 1)), np.int64)
-
-
 class Cycling:
-    """Cycles over one hierarchy, with the scratch memory that they need."""
+    """Cycles over one hierarchy, with the scratch memory that they need.
 
-    def __init__(self, hierarchy: Hierarchy, cycle: Cycle, channels: int) -> None:
+    A cycle is a list of calls of one kernel, which runs steps.  Large levels are visited in calls of their own, their
+    segments shared out among the team; steps on small levels that follow each other are one call.  A call stays well
+    below 0.2 s, so that signals are heard between them.
+    """
+
+    def __init__(self, hierarchy: Hierarchy, cycle: Cycle, channels: int, team: Team) -> None:
         self.hierarchy = hierarchy
         self.channels = channels
+        self.team = team
         self.names = [cycle]
-        self.steps = steps_of(cycle, hierarchy.n_levels)
-        # A segment and a row of coarse cells with two more on each side, and the same again.
+        # A segment and a row of coarse cells with one more on each side.
         room = hierarchy.longest_segment + int(hierarchy.table[0, STRIDE]) + 2 * LANES
-        self.scratch = aligned_zeros(2 * room)
+        self.scratch = [aligned_zeros(room) for _ in range(team.threads)]
         self.scratch64 = np.zeros(len(hierarchy.coarsest.band), np.float64)
+        large = WORTH_SHARING if team.threads > 1 else LONG_VISIT
+        self.n_large = sum(n * channels >= large for n in hierarchy.unknowns[:-1])
+        self.calls = self._plan(cycle)
 
     def strengthen(self) -> None:
         """Go on with the next stronger cycle, if there is one."""
         if self.names[-1] in STRONGER:
             self.names.append(STRONGER[self.names[-1]])
-            self.steps = steps_of(self.names[-1], self.hierarchy.n_levels)
+            self.calls = self._plan(self.names[-1])
 
     def run(self, x: Float32, b: Float32) -> float:
         """One cycle for A x = b, in place; returns a bound of the largest change of any black pixel."""
         h, coarsest = self.hierarchy, self.hierarchy.coarsest
-        bits = run_steps(
-            x, b, h.weight, h.diagonal, h.edge_e, h.edge_s, coarsest.band, coarsest.cells,
-            self.scratch, self.scratch64, h.runs, h.segments, h.table, self.steps, self.channels,
-        )  # fmt: skip
-        return float(np.array(bits, np.int32).view(np.float32).sum(dtype=np.float64))
+        fields = x, b, h.weight, h.diagonal, h.edge_e, h.edge_s, coarsest.band, coarsest.cells
+        changes = np.zeros(3, np.int32)
+        for call in self.calls:
+            parts = [
+                (*fields, scratch, self.scratch64, h.runs, h.segments, h.table, steps, self.channels)
+                for scratch, steps in zip(self.scratch, call, strict=False)
+            ]
+            for bits in self.team.run(run_steps, parts):
+                changes = np.maximum(changes, np.array(bits, np.int32))
+        return float(changes.view(np.float32).sum(dtype=np.float64))
+
+    def _plan(self, cycle: Cycle) -> list[list[NDArray[np.int64]]]:
+        """The calls of a cycle: of each, the steps for every thread that takes part."""
+        table = self.hierarchy.table
+        first = table[:-1, FIRST_SEGMENT]
+        end = table[1:, FIRST_SEGMENT]
+        phases = [_phases(self.hierarchy, level, self.team) for level in range(self.n_large)]
+        calls: list[list[NDArray[np.int64]]] = []
+        together: list[NDArray[np.int64]] = []  # steps on small levels
+        for step, level in walk(cycle, 0, self.hierarchy.n_levels - 1):
+            if level >= self.n_large:
+                together.append(_whole(step, level, int(first[level]), int(end[level])))
+                continue
+            if together:
+                calls.append([np.array(together)])
+                together = []
+            calls.extend(phases[level][step])
+        return [*calls, [np.array(together)]] if together else calls
+
+
+# Values (unknowns times channels) from which a level is visited by itself even by a single thread: some 20 ms.
+LONG_VISIT = 10_000_000
+
+
+def _whole(step: int, level: int, first: int, end: int) -> NDArray[np.int64]:
+    """A step on a whole level, for `kernels.cycle.run_steps`."""
+    up, down = step == UP, step == DOWN
+    ranges = [first, end if up else first, first, end, first, end, first, end if down else first]
+    return np.array([step, level, *ranges], np.int64)
+
+
+def _phases(hierarchy: Hierarchy, level: int, team: Team) -> dict[int, list[list[NDArray[np.int64]]]]:
+    """The calls of a step down and of a step up on a level that is shared out.
+
+    Within a call no band touches what another one changes.  The wave of a band leaves out what borders on another band:
+    the black cells there wait until all red ones are done, the residuals until all black ones are; and interpolated
+    values there must stand before any red cell reads them.
+    """
+    table = hierarchy.table
+    first, end = int(table[level, FIRST_SEGMENT]), int(table[level + 1, FIRST_SEGMENT])
+    starts, ends = hierarchy.segments[first:end, 0], hierarchy.segments[first:end, 1]
+    reach = int(table[level, STRIDE]) + 1
+
+    def inner(low: int, high: int) -> Band:
+        """Those of segments [low, high) whose neighbours lie in [low, high) too, or beyond the level."""
+        a = low if low == first else first + int(np.searchsorted(starts, ends[low - first - 1] + reach))
+        b = (
+            high
+            if high == end
+            else first + int(np.searchsorted(ends, starts[high - first] - reach, side="right"))
+        )
+        a = min(a, high)
+        return a, max(a, b)
+
+    none = (first, first)
+    wave_down, wave_up, seam, black, residual = [], [], [], [], []
+    bands = team.bands(ends - starts, first)
+    for low, high in bands:
+        a, b = inner(low, high)
+        c, d = inner(a, b) if len(bands) > 1 else (low, high)
+        wave_down.append((none, (low, high), (a, b), (c, d)))
+        wave_up.append(((a, b), (low, high), (a, b), none))
+        seam += [((low, a), none, none, none), ((b, high), none, none, none)]
+        black += [(none, none, (low, a), none), (none, none, (b, high), none)]
+        residual += [(none, none, none, (low, c)), (none, none, none, (d, high))]
+
+    def calls(step: int, ranges: list[tuple[Band, Band, Band, Band]]) -> list[list[NDArray[np.int64]]]:
+        work = [r for r in ranges if any(a < b for a, b in r)]
+        steps = [np.array([[step, level, *(n for band in r for n in band)]], np.int64) for r in work]
+        return [steps[i : i + team.threads] for i in range(0, len(steps), team.threads)]
+
+    return {
+        DOWN: [*calls(DOWN, wave_down), *calls(DOWN, black), *calls(DOWN, residual)],
+        UP: [*calls(UP, seam), *calls(UP, wave_up), *calls(UP, black)],
+    }

@@ -11,6 +11,9 @@ from solvers.memory import borrowed_arena
 from solvers.problem import OptionError, PoissonProblem, Values
 from solvers.refinement import solve_in_stages
 from solvers.result import Progress, SolveResult
+from solvers.spectrum import softness
+from solvers.team import Team
+from solvers.team import Team
 from solvers.tolerance import (
     DEFAULT_TOLERANCE,
     check_iterations,
@@ -29,8 +32,11 @@ ANY_TOLERANCE = float(np.finfo(np.float64).tiny)
 # A cycle that contracts no better than this is replaced by a stronger one.
 STALLING_RHO = 0.4
 
-# A stage of float32 cycles gains this much; see `solvers.refinement`.
+# A stage of float32 cycles gains this much, or what it can; see `solvers.refinement`.
 STAGE_GAIN = 2e-3
+# Rounding errors of float32 make cycles blind below this share of the solution, times the region's softness; measured.
+ROUNDING = 6e-10
+LARGEST_FLOOR = 0.05
 
 MAX_CYCLES = 100
 
@@ -76,9 +82,10 @@ def solve_multigrid(
     if threads is not None and threads < 1:
         raise OptionError(f"threads is {threads}, but must be at least 1")
 
-    with borrowed_arena() as arena:
+    with borrowed_arena() as arena, Team(threads, problem.unknowns * problem.channels) as team:
         correction = Correction.of(problem, arena)
-        cycling = Cycling(correction.hierarchy, cycle, problem.channels)
+        cycling = Cycling(correction.hierarchy, cycle, problem.channels, team)
+        floor = min(max(ROUNDING, ROUNDING * softness(correction.hierarchy)), LARGEST_FLOOR)
         rates: list[float] = []
 
         def estimated_error(changes: list[float]) -> float:
@@ -87,7 +94,9 @@ def solve_multigrid(
                 rates.append(observed)
                 if observed > STALLING_RHO:
                     cycling.strengthen()
-            return estimate(changes[-1], max(LEAST_RHO, next_rate(rates)) if rates else FIRST_RHO)
+                return estimate(changes[-1], max(LEAST_RHO, next_rate(rates)))
+            # What a stage begins with is what the cycles before it were slow to find.
+            return estimate(changes[-1], max(LEAST_RHO, *rates) if rates else FIRST_RHO)
 
         result = solve_in_stages(
             correction,
@@ -96,8 +105,8 @@ def solve_multigrid(
             tolerance=tolerance,
             max_iterations=max_iterations,
             method=lambda: "multigrid " + ", then ".join(cycling.names),
-            floor=min(1e-6 * max(1.0, problem.unknowns / 2e4), STAGE_GAIN / 2),  # as measured on disks
-            gain=STAGE_GAIN,
+            floor=floor,
+            gain=max(STAGE_GAIN, 2 * floor),
             progress=progress,
         )
         if certify:

@@ -16,8 +16,11 @@ import numpy as np
 
 from solvers.cycles import Cycling
 from solvers.hierarchy import Hierarchy
+from solvers.kernels.cycle import solve_coarsest
 from solvers.kernels.exact import subtract_image
-from solvers.layout import Float32, aligned_zeros, field_size
+from solvers.layout import OFFSET, Float32, aligned_zeros, field_size
+from solvers.team import Team
+from solvers.team import Team
 
 STEPS = 6  # the Rayleigh quotient's error shrinks by about 0.15 per step; the guess is good from the start
 
@@ -25,14 +28,14 @@ STEPS = 6  # the Rayleigh quotient's error shrinks by about 0.15 per step; the g
 CAUTION = 0.97
 
 
-def smallest_eigenvalue(hierarchy: Hierarchy) -> float:
+def smallest_eigenvalue(hierarchy: Hierarchy, team: Team) -> float:
     """lambda of A v = lambda D v: the smallest one, from above, to about a percent."""
     h = hierarchy
     diagonal = h.diagonal[: h.finest_size]
     size = field_size(h.table, 1)
     x, b = aligned_zeros(size), aligned_zeros(size)
     v, image = x[: h.finest_size], b[: h.finest_size]
-    cycling = Cycling(h, "F", channels=1)
+    cycling = Cycling(h, "F", 1, Team(1, 0))
     v[:] = h.weight[: h.finest_size] > 0
     scratch64 = np.empty(h.longest_segment)
     eigenvalue = 1.0
@@ -47,11 +50,30 @@ def smallest_eigenvalue(hierarchy: Hierarchy) -> float:
     return eigenvalue
 
 
-def best_omega(hierarchy: Hierarchy) -> float:
+def softness(hierarchy: Hierarchy) -> float:
+    """max A^-1 1, about 1 / the smallest eigenvalue of A: how far right-hand sides of size 1 can move the solution.
+
+    R^2 / 4 in a disk of radius R, next to nothing in thin strokes, and more than the number of unknowns where a single
+    pixel is known.  Taken from the coarsest level, as if its cells were all made of equally many pixels: right within
+    a factor of three where it is large, too large in regions of small parts, where it is small.
+    """
+    h = hierarchy
+    coarsest, level = h.coarsest, h.n_levels - 1
+    if len(coarsest.cells) == 0:
+        return 0.0
+    size, places = field_size(h.table, 1), int(h.table[level, OFFSET]) + coarsest.cells
+    x, b = aligned_zeros(size), aligned_zeros(size)  # memory that is never touched costs nothing
+    b[places] = h.unknowns[0] / h.unknowns[level]
+    scratch64 = np.empty(len(coarsest.cells))
+    solve_coarsest(x, b, coarsest.band, coarsest.cells, scratch64, h.table, level, 1)
+    return float(x[places].max())
+
+
+def best_omega(hierarchy: Hierarchy, team: Team) -> float:
     """The relaxation factor that red-black SOR needs fewest sweeps with, on this region."""
     if hierarchy.unknowns[0] == 0:
         return 1.0
-    smallest = CAUTION * min(1.0, smallest_eigenvalue(hierarchy))
+    smallest = CAUTION * min(1.0, smallest_eigenvalue(hierarchy, team))
     return 2 / (1 + math.sqrt(smallest * (2 - smallest)))  # 1 - mu^2 with mu = 1 - lambda
 
 

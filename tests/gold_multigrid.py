@@ -16,6 +16,7 @@ Array = np.ndarray
 
 DIRECTIONS = {"north": (-1, 0), "south": (1, 0), "west": (0, -1), "east": (0, 1)}
 LEAST_RESISTANCE = 0.25  # of a leak: a known value never seems nearer than a quarter of a cell
+OVERCORRECTION = 1.04  # the interpolated correction is made this much larger
 SOLVED_DIRECTLY = 64  # unknowns; a grid with a side of 2 is solved directly too
 
 
@@ -129,7 +130,10 @@ def restriction(fine: Grid, coarse: Grid) -> Array:
 
 
 def prolongation(fine: Grid, coarse: Grid) -> Array:
-    """(n_fine, n_coarse): bilinear between cell centres; an inactive cell counts as zero, the edge is repeated."""
+    """(n_fine, n_coarse): bilinear between cell centres; an inactive cell counts as zero, the edge is repeated.
+
+    Times `OVERCORRECTION`.
+    """
     coarse_number = {cell: i for i, cell in enumerate(coarse.cells)}
     p = np.zeros((len(fine.cells), len(coarse_number)))
     for i, (row, col) in enumerate(fine.cells):
@@ -142,7 +146,7 @@ def prolongation(fine: Grid, coarse: Grid) -> Array:
                     min(max(c, 0), coarse.active.shape[1] - 1),
                 )
                 if inside in coarse_number:
-                    p[i, coarse_number[inside]] += row_weight * col_weight
+                    p[i, coarse_number[inside]] += OVERCORRECTION * row_weight * col_weight
     return p
 
 
