@@ -7,7 +7,7 @@ the same bits.
 
 import numpy as np
 
-from solvers.kernels.policy import jit
+from solvers.kernels.policy import inlined, jit
 from solvers.layout import COLS, OFFSET, QUARTER, ROWS, STRIDE
 
 DOWN, UP, COARSEST = 0, 1, 2  # see solvers.cycles
@@ -20,16 +20,18 @@ RED, BLACK = 0, 1
 OVERCORRECTION = 1.04
 NEAR, FAR = np.float32(0.75 * OVERCORRECTION), np.float32(0.25 * OVERCORRECTION)
 
+u = np.uint64  # what arrays are indexed with, see solvers.kernels
+
 ABS_BITS = np.int32(0x7FFFFFFF)  # all but the sign of a float32
 
 
-@jit
+@inlined
 def bits_of(value):
     """The bit pattern of |value|: as integers these order like the values, with NaN on top."""
     return np.float32(value).view(np.int32) & ABS_BITS
 
 
-@jit
+@inlined
 def largest_of(a, b):
     """The larger one of two bit patterns."""
     return a if a > b else b
@@ -38,48 +40,41 @@ def largest_of(a, b):
 # --- relaxation --------------------------------------------------------------------------------------------------
 
 
-@jit
+@inlined
 def relax_finest(x, b, weight, size, stride, plane, quarter, at, n):
     """Gauss-Seidel on n places of one quarter of the finest level, from `at` on, in the channel that begins at `plane`.
 
     Returns the bit pattern of the largest absolute change.
     """
-    o = quarter * size + at
-    w, own, rhs = weight[o : o + n], x[plane + o : plane + o + n], b[plane + o : plane + o + n]
-    o = plane + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride)
-    north, south = x[o : o + n], x[o + stride : o + stride + n]
-    o = plane + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1)
-    west, east = x[o : o + n], x[o + 1 : o + 1 + n]
+    w = u(quarter * size + at)
+    own = u(plane + quarter * size + at)
+    north = u(plane + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride))
+    south = north + u(stride)
+    west = u(plane + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1))
+    east = west + u(1)
     largest = np.int32(0)
-    for i in range(n):
-        new = w[i] * (rhs[i] + north[i] + south[i] + west[i] + east[i])
-        largest = max(largest, bits_of(new - own[i]))
-        own[i] = new
+    for i in range(u(n)):
+        new = weight[w + i] * (b[own + i] + x[north + i] + x[south + i] + x[west + i] + x[east + i])
+        largest = max(largest, bits_of(new - x[own + i]))
+        x[own + i] = new
     return largest
 
 
-@jit
-def relax_coarse(
-    x, b, weight, edge_e, edge_s, scratch, size, stride, plane, coefficients, skip, quarter, at, n
-):
-    """The same on a coarse level, whose coefficients begin at `coefficients`, and at `skip` less in the edge fields."""
-    o = quarter * size + at
-    own, rhs, w = x[plane + o : plane + o + n], b[plane + o : plane + o + n], weight[coefficients + o :][:n]
-    o += coefficients - skip
-    c_south, c_east = edge_s[o : o + n], edge_e[o : o + n]
-    o = (quarter ^ 2) * size + at - (0 if quarter & 2 else stride)
-    north, south = x[plane + o : plane + o + n], x[plane + o + stride : plane + o + stride + n]
-    o += coefficients - skip
-    c_north = edge_s[o : o + n]
-    o = (quarter ^ 1) * size + at - (0 if quarter & 1 else 1)
-    west, east = x[plane + o : plane + o + n], x[plane + o + 1 : plane + o + 1 + n]
-    o += coefficients - skip
-    c_west = edge_e[o : o + n]
-    total = scratch[:n]
-    for i in range(n):
-        total[i] = rhs[i] + c_north[i] * north[i] + c_south[i] * south[i]
-    for i in range(n):
-        own[i] = w[i] * (total[i] + c_west[i] * west[i] + c_east[i] * east[i])
+@inlined
+def relax_coarse(x, b, weight, edge_e, edge_s, scratch, size, stride, plane, offset, skip, quarter, at, n):
+    """The same on a coarse level, whose coefficients begin at `offset`, and at `skip` less in the edge fields."""
+    here = quarter * size + at
+    above = (quarter ^ 2) * size + at - (0 if quarter & 2 else stride)
+    beside = (quarter ^ 1) * size + at - (0 if quarter & 1 else 1)
+    own, w, c_own = u(plane + here), u(offset + here), u(offset - skip + here)
+    north, c_north = u(plane + above), u(offset - skip + above)
+    west, c_west = u(plane + beside), u(offset - skip + beside)
+    south, east = north + u(stride), west + u(1)
+    for i in range(u(n)):
+        scratch[i] = b[own + i] + edge_s[c_north + i] * x[north + i] + edge_s[c_own + i] * x[south + i]
+    for i in range(u(n)):
+        around = scratch[i] + edge_e[c_west + i] * x[west + i] + edge_e[c_own + i] * x[east + i]
+        x[own + i] = weight[w + i] * around
 
 
 @jit
@@ -90,87 +85,83 @@ def relax_over(x, b, weight, segments, table, channels, colour, omega, first, en
         plane = 4 * channel * size
         for k in range(first, end):
             at = segments[k, 0]
-            n = segments[k, 1] - at
             for quarter in (colour, 3 - colour):
-                o = quarter * size + at
-                w, own, rhs = weight[o : o + n], x[plane + o : plane + o + n], b[plane + o : plane + o + n]
-                o = plane + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride)
-                north, south = x[o : o + n], x[o + stride : o + stride + n]
-                o = plane + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1)
-                west, east = x[o : o + n], x[o + 1 : o + 1 + n]
-                for i in range(n):
-                    own[i] += omega * (w[i] * (rhs[i] + north[i] + south[i] + west[i] + east[i]) - own[i])
+                w = u(quarter * size + at)
+                own = u(plane + quarter * size + at)
+                north = u(plane + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride))
+                south = north + u(stride)
+                west = u(plane + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1))
+                east = west + u(1)
+                for i in range(u(segments[k, 1] - at)):
+                    around = b[own + i] + x[north + i] + x[south + i] + x[west + i] + x[east + i]
+                    x[own + i] += omega * (weight[w + i] * around - x[own + i])
+
+
+@inlined
+def relax_segment(x, b, weight, edge_e, edge_s, scratch, segments, table, level, plane, skip, colour, k):
+    """Gauss-Seidel on the two quarters of one colour; returns the largest change on the finest level."""
+    stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
+    at, n = segments[k, 0], segments[k, 1] - segments[k, 0]
+    largest = np.int32(0)
+    for quarter in (colour, 3 - colour):
+        if level == 0:
+            change = relax_finest(x, b, weight, size, stride, plane, quarter, at, n)
+            largest = largest_of(largest, change)
+        else:
+            relax_coarse(x, b, weight, edge_e, edge_s, scratch, size, stride, plane, offset, skip, quarter, at, n)
+    return largest
 
 
 # --- restriction -------------------------------------------------------------------------------------------------
 
 
-@jit
-def add_residual_finest(total, x, b, weight, diagonal, plane, size, stride, quarter, at):
-    """total += residual of a stretch of one quarter of the finest level."""
-    n = total.shape[0]
-    o = quarter * size + at
-    w, d, own, rhs = (
-        weight[o : o + n],
-        diagonal[o : o + n],
-        x[plane + o : plane + o + n],
-        b[plane + o : plane + o + n],
-    )
-    o = plane + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride)
-    north, south = x[o : o + n], x[o + stride : o + stride + n]
-    o = plane + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1)
-    west, east = x[o : o + n], x[o + 1 : o + 1 + n]
-    for i in range(n):  # outside the region the sum means nothing, but weight and diagonal are zero there
-        total[i] += d[i] * (w[i] * (rhs[i] + north[i] + south[i] + west[i] + east[i]) - own[i])
+@inlined
+def add_residual_finest(scratch, x, b, weight, diagonal, size, stride, plane, quarter, at, n):
+    """scratch += residual of n places of one quarter of the finest level."""
+    w = u(quarter * size + at)
+    own = u(plane + quarter * size + at)
+    north = u(plane + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride))
+    south = north + u(stride)
+    west = u(plane + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1))
+    east = west + u(1)
+    for i in range(u(n)):  # outside the region the sum means nothing, but weight and diagonal are zero there
+        around = b[own + i] + x[north + i] + x[south + i] + x[west + i] + x[east + i]
+        scratch[i] += diagonal[w + i] * (weight[w + i] * around - x[own + i])
 
 
-@jit
-def add_residual_coarse(
-    total, x, b, diagonal, edge_e, edge_s, plane, coefficients, skip, size, stride, quarter, at
-):
-    """total += residual of a stretch of one quarter of a coarse level."""
-    n = total.shape[0]
-    o = quarter * size + at
-    own, rhs = x[plane + o : plane + o + n], b[plane + o : plane + o + n]
-    o += coefficients
-    d = diagonal[o : o + n]
-    o -= skip
-    c_south, c_east = edge_s[o : o + n], edge_e[o : o + n]
-    o = (quarter ^ 2) * size + at - (0 if quarter & 2 else stride)
-    north, south = x[plane + o : plane + o + n], x[plane + o + stride : plane + o + stride + n]
-    o += coefficients - skip
-    c_north = edge_s[o : o + n]
-    for i in range(n):
-        total[i] += rhs[i] - d[i] * own[i] + c_north[i] * north[i]
-    o = (quarter ^ 1) * size + at - (0 if quarter & 1 else 1)
-    west, east = x[plane + o : plane + o + n], x[plane + o + 1 : plane + o + 1 + n]
-    o += coefficients - skip
-    c_west = edge_e[o : o + n]
-    for i in range(n):
-        total[i] += c_south[i] * south[i] + c_east[i] * east[i] + c_west[i] * west[i]
+@inlined
+def add_residual_coarse(scratch, x, b, diagonal, edge_e, edge_s, size, stride, plane, offset, skip, quarter, at, n):
+    """scratch += residual of n places of one quarter of a coarse level."""
+    here = quarter * size + at
+    above = (quarter ^ 2) * size + at - (0 if quarter & 2 else stride)
+    beside = (quarter ^ 1) * size + at - (0 if quarter & 1 else 1)
+    own, d, c_own = u(plane + here), u(offset + here), u(offset - skip + here)
+    north, c_north = u(plane + above), u(offset - skip + above)
+    west, c_west = u(plane + beside), u(offset - skip + beside)
+    south, east = north + u(stride), west + u(1)
+    for i in range(u(n)):
+        scratch[i] += b[own + i] - diagonal[d + i] * x[own + i] + edge_s[c_north + i] * x[north + i]
+    for i in range(u(n)):
+        around = edge_e[c_west + i] * x[west + i] + edge_e[c_own + i] * x[east + i]
+        scratch[i] += edge_s[c_own + i] * x[south + i] + around
 
 
-@jit
-def hand_down(x, b, sums, table, level, channels, channel, row, low):
-    """Sums of residuals along a row of places become the right-hand side of the cells of level + 1 there."""
-    stride, size = table[level + 1, STRIDE], table[level + 1, QUARTER]
-    n = sums.shape[0] // 2
-    o = channels * table[level + 1, OFFSET] + (4 * channel + 2 * (row & 1)) * size
-    o += (row // 2 + 1) * stride + low // 2
-    even, odd = b[o : o + n], b[o + size : o + size + n]
-    for i in range(n):
-        even[i] = sums[2 * i]
-        odd[i] = sums[2 * i + 1]
-    even, odd = x[o : o + n], x[o + size : o + size + n]
-    for i in range(n):
-        even[i] = 0
-        odd[i] = 0
+@inlined
+def hand_down(x, b, scratch, start, n, at, size):
+    """n sums from scratch[start] on become right-hand sides on the level below, even columns at `at`; its x is zeroed."""
+    even, odd, first, half = u(at), u(at + size), u(start), u(n // 2)
+    for i in range(half):
+        b[even + i] = scratch[first + i + i]
+    for i in range(half):
+        b[odd + i] = scratch[first + i + i + u(1)]
+    for i in range(half):
+        x[even + i] = np.float32(0.0)
+    for i in range(half):
+        x[odd + i] = np.float32(0.0)
 
 
-@jit
-def restrict_segment(
-    x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, channel, k
-):
+@inlined
+def restrict_segment(x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, channel, k):
     """Right-hand side of level + 1 below a segment: each cell the sum of its children's residuals.  Its x becomes zero.
 
     A black half sweep must have come before: black residuals are then zero, and only the red ones are computed.
@@ -178,76 +169,59 @@ def restrict_segment(
     stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
     plane = channels * offset + 4 * channel * size
     at = segments[k, 0]
-    total = scratch[: segments[k, 1] - at]
-    for i in range(total.shape[0]):
-        total[i] = 0
+    n = segments[k, 1] - at
+    for i in range(u(n)):
+        scratch[i] = np.float32(0.0)
     for quarter in (0, 3):
         if level == 0:
-            add_residual_finest(total, x, b, weight, diagonal, plane, size, stride, quarter, at)
+            add_residual_finest(scratch, x, b, weight, diagonal, size, stride, plane, quarter, at, n)
         else:
+            skip = table[1, OFFSET]
             add_residual_coarse(
-                total,
-                x,
-                b,
-                diagonal,
-                edge_e,
-                edge_s,
-                plane,
-                offset,
-                table[1, OFFSET],
-                size,
-                stride,
-                quarter,
-                at,
+                scratch, x, b, diagonal, edge_e, edge_s, size, stride, plane, offset, skip, quarter, at, n
             )
+    coarse_size = table[level + 1, QUARTER]
+    plane = channels * table[level + 1, OFFSET] + 4 * channel * coarse_size
     for run in range(segments[k, 2], segments[k, 3]):
-        row, low, n = np.int64(runs[run, 0]), np.int64(runs[run, 1]), np.int64(runs[run, 2]) - runs[run, 1]
-        o = (row + 1) * stride + low - at
-        hand_down(x, b, total[o : o + n], table, level, channels, channel, row, low)
+        row, low = np.int64(runs[run, 0]), np.int64(runs[run, 1])
+        to = plane + 2 * (row & 1) * coarse_size + (row // 2 + 1) * table[level + 1, STRIDE] + low // 2
+        hand_down(x, b, scratch, (row + 1) * stride + low - at, np.int64(runs[run, 2]) - low, to, coarse_size)
 
 
 # --- interpolation -----------------------------------------------------------------------------------------------
 
 
-@jit
-def blend_rows(line, x, near_at, far_at, size):
-    """line = 3/4 of one row of cells and 1/4 of another, put together from the quarters of even and odd columns."""
-    n = line.shape[0] // 2
-    near_even, near_odd = x[near_at : near_at + n], x[near_at + size : near_at + size + n]
-    far_even, far_odd = x[far_at : far_at + n], x[far_at + size : far_at + size + n]
-    for i in range(n):
-        line[2 * i] = NEAR * near_even[i] + FAR * far_even[i]
-        line[2 * i + 1] = NEAR * near_odd[i] + FAR * far_odd[i]
+@inlined
+def blend_run(scratch, x, table, level, channels, channel, quarter, row, low, high, at):
+    """scratch[at + 1 : ...] = the cells of level + 1 in columns [low, high), blended for the children in `quarter`.
 
-
-@jit
-def blend_run(line, x, table, level, channels, channel, quarter, row, low, high):
-    """line[1 : -1] = the cells of level + 1 in columns [low, high), blended for the children in `quarter`.
-
-    Quarter 1 holds the upper right child of each cell, which leans to the row above and the column to the right: the
-    column `high` follows in line[-1].  Quarter 2 holds the lower left child: column low - 1 goes into line[0].  An
-    inactive cell counts as 0, and the grid continues with its edge.
+    3/4 of a cell's own row and 1/4 of the row that the child leans to.  Quarter 1 holds the upper right children: they
+    also need column `high`, which follows.  Quarter 2 holds the lower left ones: column low - 1 comes before, at
+    scratch[at].  An inactive cell counts as 0, and the grid continues with its edge.
     """
     rows, cols = table[level, ROWS], table[level, COLS]
     stride, size = table[level + 1, STRIDE], table[level + 1, QUARTER]
     far_row = max(row - 1, 0) if quarter == 1 else min(row + 1, rows - 1)
     plane = channels * table[level + 1, OFFSET] + 4 * channel * size + low // 2
-    near_at = plane + 2 * (row & 1) * size + (row // 2 + 1) * stride
-    far_at = plane + 2 * (far_row & 1) * size + (far_row // 2 + 1) * stride
-    n = high - low
-    blend_rows(line[1 : n + 1], x, near_at, far_at, size)
+    near = u(plane + 2 * (row & 1) * size + (row // 2 + 1) * stride)
+    far = u(plane + 2 * (far_row & 1) * size + (far_row // 2 + 1) * stride)
+    near_odd, far_odd = near + u(size), far + u(size)
+    first, half = u(at + 1), u((high - low) // 2)
+    for i in range(half):
+        scratch[first + i + i] = NEAR * x[near + i] + FAR * x[far + i]
+        scratch[first + i + i + u(1)] = NEAR * x[near_odd + i] + FAR * x[far_odd + i]
     if quarter == 1:
         if high < cols:
-            line[n + 1] = NEAR * x[near_at + n // 2] + FAR * x[far_at + n // 2]
+            scratch[first + half + half] = NEAR * x[near + half] + FAR * x[far + half]
         else:
-            line[cols - low + 1] = line[cols - low]
+            scratch[at + 1 + cols - low] = scratch[at + cols - low]
     elif low > 0:
-        line[0] = NEAR * x[near_at + size - 1] + FAR * x[far_at + size - 1]
+        scratch[at] = NEAR * x[near_odd - u(1)] + FAR * x[far_odd - u(1)]
     else:
-        line[0] = line[1]
+        scratch[at] = scratch[at + 1]
 
 
-@jit
+@inlined
 def prolong_segment(x, weight, scratch, runs, segments, table, level, channels, channel, k):
     """Adds the 9-3-3-1 interpolation of level + 1 to the black cells of a segment.
 
@@ -258,22 +232,18 @@ def prolong_segment(x, weight, scratch, runs, segments, table, level, channels, 
     near, far, zero = np.float32(0.75), np.float32(0.25), np.float32(0.0)
     largest = np.int32(0)
     at = segments[k, 0]
-    n = segments[k, 1] - at
     for quarter in (1, 2):
         for run in range(segments[k, 2], segments[k, 3]):
             row, low, high = np.int64(runs[run, 0]), np.int64(runs[run, 1]), np.int64(runs[run, 2])
-            o = (row + 1) * stride + low - at
-            line = scratch[o : o + high - low + 2]
-            blend_run(line, x, table, level, channels, channel, quarter, row, low, high)
-        here, beside = scratch[1 : 1 + n], scratch[4 - 2 * quarter : 4 - 2 * quarter + n]
-        o = offset + quarter * size + at
-        w = weight[o : o + n]
-        o += (channels - 1) * offset + 4 * channel * size
-        own = x[o : o + n]
-        for i in range(n):
-            change = near * here[i] + far * beside[i] if w[i] > zero else zero
+            to = (row + 1) * stride + low - at
+            blend_run(scratch, x, table, level, channels, channel, quarter, row, low, high, to)
+        w = u(offset + quarter * size + at)
+        own = u(channels * offset + (4 * channel + quarter) * size + at)
+        here, beside = u(1), u(4 - 2 * quarter)
+        for i in range(u(segments[k, 1] - at)):
+            change = near * scratch[here + i] + far * scratch[beside + i] if weight[w + i] > zero else zero
             largest = max(largest, bits_of(change))
-            own[i] += change
+            x[own + i] += change
     return largest
 
 
@@ -300,68 +270,36 @@ def sweep(
     for channel in range(channels):
         plane = channels * offset + 4 * channel * size
         p, r, k, d = prolong_from, red_from, black_from, restrict_from
+        # What comes last goes first, so that a wave is as short as can be: residuals of what no black cell to come
+        # touches, black cells that no red one to come touches, and red ones once everything they read is interpolated.
         while True:
-            # Interpolation goes ahead of the red segment at hand, as far as that one reads.
-            reach = segments[r, 1] + stride + 1 if r < red_to else far_off
-            while p < prolong_to and segments[p, 0] < reach:
-                change = prolong_segment(
-                    x, weight, scratch, runs, segments, table, level, channels, channel, p
-                )
-                by_correction = largest_of(by_correction, change)
-                p += 1
-            if r < red_to:
-                relax_segment(
-                    x, b, weight, edge_e, edge_s, scratch, segments, table, level, plane, skip, 0, r
-                )
-                r += 1
-            # Black cells follow once no red one that is still to come touches them,
-            clear = segments[r, 0] if r < red_to else far_off
-            while k < black_to and segments[k, 1] + stride + 1 <= clear:
-                change = relax_segment(
-                    x, b, weight, edge_e, edge_s, scratch, segments, table, level, plane, skip, 1, k
-                )
-                by_sweep = largest_of(by_sweep, change)
-                k += 1
-            # and residuals once no black one does.
-            clear = segments[k, 0] if k < black_to else clear
-            while d < restrict_to and segments[d, 1] + stride + 1 <= clear:
+            red_start = segments[r, 0] if r < red_to else far_off
+            black_start = segments[k, 0] if k < black_to else red_start
+            if d < restrict_to and segments[d, 1] + stride + 1 <= black_start:
                 restrict_segment(
-                    x,
-                    b,
-                    weight,
-                    diagonal,
-                    edge_e,
-                    edge_s,
-                    scratch,
-                    runs,
-                    segments,
-                    table,
-                    level,
-                    channels,
-                    channel,
-                    d,
+                    x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, channel, d
                 )
                 d += 1
-            if r >= red_to and k >= black_to and p >= prolong_to and d >= restrict_to:
+                continue
+            black = k < black_to and segments[k, 1] + stride + 1 <= red_start
+            if not black and p < prolong_to and (r >= red_to or segments[p, 0] < segments[r, 1] + stride + 1):
+                change = prolong_segment(x, weight, scratch, runs, segments, table, level, channels, channel, p)
+                by_correction = largest_of(by_correction, change)
+                p += 1
+                continue
+            if not black and r >= red_to:
                 break
-    return by_correction, by_sweep
-
-
-@jit
-def relax_segment(x, b, weight, edge_e, edge_s, scratch, segments, table, level, plane, skip, colour, k):
-    """Gauss-Seidel on the two quarters of one colour; returns the largest change on the finest level."""
-    stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
-    at, n = segments[k, 0], segments[k, 1] - segments[k, 0]
-    largest = np.int32(0)
-    for quarter in (colour, 3 - colour):
-        if level == 0:
-            change = relax_finest(x, b, weight, size, stride, plane, quarter, at, n)
-            largest = largest_of(largest, change)
-        else:
-            relax_coarse(
-                x, b, weight, edge_e, edge_s, scratch, size, stride, plane, offset, skip, quarter, at, n
+            at = k if black else r
+            colour = 1 if black else 0
+            change = relax_segment(
+                x, b, weight, edge_e, edge_s, scratch, segments, table, level, plane, skip, colour, at
             )
-    return largest
+            if black:
+                by_sweep = largest_of(by_sweep, change)
+                k += 1
+            else:
+                r += 1
+    return by_correction, by_sweep
 
 
 # --- the coarsest level, and whole cycles ------------------------------------------------------------------------
