@@ -1,4 +1,4 @@
-"""`python -m benchmarks [paper | convergence | sizes | shapes]`: parse, limit the threads, hand over.
+"""`python -m benchmarks [paper | convergence | sizes | shapes | memory]`: parse, limit the threads, hand over.
 
 Exit codes: 0 every answer was right, 1 some answer was wrong (the table says which), 2 usage.
 """
@@ -74,6 +74,12 @@ def parser() -> argparse.ArgumentParser:
     )
     sizes.add_argument(
         "--largest", type=int, default=4_000_000, metavar="N", help="unknowns (default: %(default)s)"
+    )
+    memory = commands.add_parser(
+        "memory", parents=[shared], help="bytes beyond the pictures, per pixel, for a large disk"
+    )
+    memory.add_argument(
+        "--megapixels", type=float, default=16.0, metavar="N", help="size of the crop (default: %(default)s)"
     )
     return top
 

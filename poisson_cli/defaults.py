@@ -6,7 +6,7 @@ from typing import Final
 
 __all__ = ["CYCLE", "THRESHOLD", "TOLERANCE"]
 
-TOLERANCE: Final = 5e-4
+TOLERANCE: Final = 2e-4
 """Largest error allowed in any pixel, in levels; that of ``solvers``."""
 
 CYCLE: Final = "F"

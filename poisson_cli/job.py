@@ -7,6 +7,7 @@ just as well. Nothing is printed here.
 from __future__ import annotations
 
 import dataclasses
+import functools
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -16,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from poisson_cli import editing
+from poisson_cli import answering, editing
 from poisson_cli.errors import InputError
 from poisson_cli.images import Picture, prepare, read, write
 from poisson_cli.masks import Canvas, select
@@ -84,13 +85,15 @@ class Summary:
     profile_dropped: bool
 
 
-def run(job: Job) -> Summary:
+def run(job: Job, progress: Callable[[int, float], None] | None = None) -> Summary:
     """Do a job.
 
     Parameters
     ----------
     job
         What to do.
+    progress
+        Called as the solver goes, with the cycles or sweeps so far and the estimated error in levels.
 
     Returns
     -------
@@ -111,11 +114,12 @@ def run(job: Job) -> Summary:
     with _timed(seconds, "select"):
         mask = select(job.selection, _canvas(job, destination, source))
     tool: Callable[..., editing.Edit] = getattr(editing, job.tool)
-    keywords = {**dataclasses.asdict(job.solver), **job.parameters}
+    keywords = {**dataclasses.asdict(job.solver), "progress": progress, **job.parameters}
     if source is None:
-        edit = tool(destination.pixels, mask, **keywords)
+        work = functools.partial(tool, destination.pixels, mask, **keywords)
     else:
-        edit = tool(
+        work = functools.partial(
+            tool,
             destination.pixels,
             source.pixels,
             mask,
@@ -123,6 +127,7 @@ def run(job: Job) -> Summary:
             mask_on=job.placement.mask_on,
             **keywords,
         )
+    edit = answering.do(work)
     seconds |= edit.report.seconds
     with _timed(seconds, "write"):
         write(target, dataclasses.replace(destination, pixels=edit.image))

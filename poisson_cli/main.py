@@ -6,6 +6,7 @@ itself needs.
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import os
 import sys
@@ -131,7 +132,17 @@ def main() -> None:
         code = errors.BROKEN_PIPE
     if code == errors.BROKEN_PIPE:
         silence(sys.stdout)
+    if code in (errors.INTERRUPTED, errors.TERMINATED):
+        _leave_at_once(code)
     sys.exit(code)
+
+
+def _leave_at_once(code: int) -> None:
+    """End the process without waiting for threads that still compute; see `poisson_cli.answering`."""
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError):
+            stream.flush()
+    os._exit(code)
 
 
 def _raise_terminated(_signal: int, _frame: FrameType | None) -> None:

@@ -192,6 +192,11 @@ solver: Final = _bundle(
             metavar="N",
             help="Threads to compute with; by default as many as pay. Any number gives the same picture.",
         ),
+        click.option(
+            "--certify",
+            is_flag=True,
+            help="Also prove how large the error can be at most; takes two or three times as long.",
+        ),
     ),
 )
 

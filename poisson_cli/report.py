@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 from poisson_cli.streams import silence
 
 if TYPE_CHECKING:
+    from poisson_cli.editing import EditReport
     from poisson_cli.job import Summary
     from poisson_cli.settings import Reporting
 
@@ -33,6 +34,8 @@ def tell(summary: Summary, reporting: Reporting) -> None:
     """
     if not reporting.quiet:
         _print(line(summary), sys.stderr)
+        if summary.edit.advice is not None:
+            _print(f"poisson: hint: {summary.edit.advice}", sys.stderr)
     if reporting.verbose:
         _print(details(summary), sys.stderr)
     if reporting.json:
@@ -66,7 +69,7 @@ def line(summary: Summary) -> str:
     parts = [
         f"{edit.tool}: {_counted(edit.unknowns, 'pixel')} at {col},{row} ({width}x{height})",
         f"{method} x {edit.iterations}",
-        f"error < {_rounded_up(edit.error_estimate)} levels",
+        _error(edit),
     ]
     if edit.floating:
         parts.append("no known pixel around a part: its mean is kept")
@@ -100,7 +103,10 @@ def details(summary: Summary) -> str:
             ("mismatch", f"{mismatch} levels between source and destination along the boundary, mean")
         )
     rows.append(("method", edit.method))
-    rows.append(("error", f"{edit.error_estimate:.2g} levels estimated, {edit.tolerance:.2g} allowed"))
+    proven = "" if edit.error_bound is None else f", {_proven(edit.error_bound)}"
+    rows.append(
+        ("error", f"{edit.error_estimate:.2g} levels estimated{proven}, {edit.tolerance:.2g} allowed")
+    )
     rows.append(("clipped", f"{_counted(edit.clipped, 'value')} outside 0..255"))
     rows.append(
         ("stages", ", ".join(f"{name} {_duration(spent)}" for name, spent in summary.seconds.items()))
@@ -136,12 +142,27 @@ def as_dict(summary: Summary) -> dict[str, Any]:
         "iterations": edit.iterations,
         "tolerance": edit.tolerance,
         "error_estimate": edit.error_estimate,
+        "error_bound": edit.error_bound
+        if edit.error_bound is None or math.isfinite(edit.error_bound)
+        else None,
         "floating": edit.floating,
         "boundary_mismatch": None if edit.boundary_mismatch is None else list(edit.boundary_mismatch),
         "clipped": edit.clipped,
+        "advice": edit.advice,
         "profile_dropped": summary.profile_dropped,
         "seconds": {**summary.seconds, "total": sum(summary.seconds.values())},
     }
+
+
+def _error(edit: EditReport) -> str:
+    """The proven bound if there is one, else the estimate."""
+    if edit.error_bound is not None and math.isfinite(edit.error_bound):
+        return f"error < {_rounded_up(edit.error_bound)} levels, proven"
+    return f"error < {_rounded_up(edit.error_estimate)} levels"
+
+
+def _proven(bound: float) -> str:
+    return f"at most {bound:.2g} proven" if math.isfinite(bound) else "no bound proven"
 
 
 def _counted(number: int, noun: str) -> str:

@@ -85,6 +85,8 @@ class Solver:
         Cycles or sweeps after which to give up; None leaves it to the solver.
     threads
         Threads to compute with; None leaves it to the solver.
+    certify
+        Whether to prove a bound of the error as well.
     """
 
     solver: Literal["multigrid", "sor"] = "multigrid"
@@ -92,6 +94,7 @@ class Solver:
     tolerance: float = defaults.TOLERANCE
     max_iterations: int | None = None
     threads: int | None = None
+    certify: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,17 +20,20 @@ that takes the place of z, and the mean of f - f', which is known, is added.
 """
 
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solvers.problem import PoissonProblem, Values
+from solvers.canvas import Arrays, Values, with_channels
+from solvers.problem import PoissonProblem
 
 Float64 = NDArray[np.float64]
 Solver = Callable[[PoissonProblem, int], Values]
 """An approximate solution, by so many iterations."""
 
-ITERATIONS = 5  # of the solver, for one proposal
+EFFORTS = (5, 10, 20)  # iterations of the solver for one proposal, more of them
+LOOSE = 0.2  # as long as z makes up more than this share of the bound
 PROPOSALS = 4  # for z, each beginning where the last one ended
 MARGIN = 0.25  # by how much of its mean the right side of A z = ... is raised, so that a z that is nearly right will do
 ENOUGH = 0.75  # a z that covers at least this share of what it should is scaled up; else another is asked for
@@ -38,12 +41,13 @@ ENOUGH = 0.75  # a z that covers at least this share of what it should is scaled
 # Values that are computed at a time: they stay in the cache, and an interrupt is soon noticed.
 BAND = 1 << 18
 
-# A residual is a sum of at most four differences (of a v and two f) and a right-hand side: 13 rounded operations, none
-# of them on more than all the terms together.  And some room for the roundings of these very bounds.
-ROUNDINGS = 32 * np.finfo(np.float64).eps
+MEAN_EPS = 64 * np.finfo(np.float64).eps  # numpy adds pairwise, after eight at a time in blocks of 128
+EPS = (
+    1.01 * np.finfo(np.float64).eps / 2
+)  # of one rounding, with room for the roundings of these bounds themselves
 
 
-def proven_error(problem: PoissonProblem, precise: Values, stored: Values, solver: Solver) -> float:
+def proven_error(problem: PoissonProblem, precise: Values, stored: NDArray[Any], solver: Solver) -> float:
     """No value of `stored` is further than this from the exact solution, in levels; rounding errors included.
 
     Parameters
@@ -52,7 +56,7 @@ def proven_error(problem: PoissonProblem, precise: Values, stored: Values, solve
     precise : (H, W[, C]) float64
         A solution before it was rounded to the type of the values.
     stored : (H, W[, C])
-        The solution that the bound is for.  Both are the problem's values outside the region.
+        The solution that the bound is for.  If it is a picture of integers, the bound is for what was rounded to them.
     solver : callable
         Need not be right.
 
@@ -61,34 +65,45 @@ def proven_error(problem: PoissonProblem, precise: Values, stored: Values, solve
     float
         Infinity if the solver's proposals prove nothing.
     """
-    region = problem.region
     precise = np.asarray(precise, np.float64)
-    solution, channels = precise.reshape(*region.shape, -1), range(problem.channels)
+    rounding = _storage_error(problem, precise, stored)
+    best = np.inf
+    for iterations in EFFORTS:
+        proven, loose = _proof(problem, precise, solver, iterations)
+        best = min(best, proven)  # never a NaN, which proves nothing
+        if loose <= LOOSE * proven < np.inf:
+            break
+    return (best + rounding) / problem.level
+
+
+def _proof(problem: PoissonProblem, precise: Float64, solver: Solver, iterations: int) -> tuple[float, float]:
+    """max(|delta| + z), and max z: what a better proposal for delta could take off it."""
+    region = problem.region
+    solution = precise.reshape(*region.shape, -1)
+    rounding = 0.0  # of what is computed for `rest`
     error = np.zeros(region.shape)  # largest |delta| of any channel
     rest = np.zeros(region.shape)  # largest |b - A f' - A delta| of any channel
-    offset = 0.0  # of the mean, where that is what binds f
-    for channel in channels:
-        r = _residual(problem, solution, channel)
-        delta = _proposal(region, r, solver)
+    offset = 0.0  # of the mean, where that is what holds f
+    for channel in range(problem.channels):
+        r, blurred = _residual(problem, solution, channel)
+        delta = _proposal(region, r, solver, iterations)
         if problem.floating:
             delta -= delta.mean()
             guess = problem.values.reshape(solution.shape)[..., channel]
             drift = guess.mean(dtype=np.float64) - solution[..., channel].mean()
-            offset = max(offset, abs(float(drift)) + ROUNDINGS * _size(guess))
-        _add_minus_image(r, delta)
+            offset = max(offset, abs(float(drift)) + MEAN_EPS * (_size(guess) + _size(delta)))
+        rounding = max(rounding, blurred + _add_minus_image(r, delta))
         np.maximum(error, np.abs(delta), out=error)
         np.maximum(rest, np.abs(r), out=rest, where=region)
 
     if problem.floating:
         region = _one_held(region)
-    rest += ROUNDINGS * (_largest_term(problem, precise) + 2 * _size(error))
+    rest += rounding
     rest[~region] = 0.0
     z = cover(region, rest, solver)
     if problem.floating:
         offset += float(z.mean())
-    rounding = _largest_difference(stored, precise)
-    bound = (float((error + z).max()) + offset + rounding) / problem.level
-    return bound if bound < np.inf else np.inf  # a NaN proves nothing
+    return float((error + z).max()) + offset, float(z.max())
 
 
 def cover(region: NDArray[np.bool_], rest: Float64, solver: Solver) -> Float64:
@@ -103,64 +118,69 @@ def cover(region: NDArray[np.bool_], rest: Float64, solver: Solver) -> Float64:
     for _ in range(PROPOSALS):
         missing = raised.copy()
         _add_minus_image(missing, z)
-        z += _proposal(region, missing, solver)
+        z += _proposal(region, missing, solver, EFFORTS[0])
         image = np.zeros(region.shape)
-        _add_minus_image(image, z)
-        covered = -image - ROUNDINGS * 2 * _size(z)
+        rounding = _add_minus_image(image, z)
+        covered = -image - rounding
         share = float(np.min(covered / np.where(region, rest, 1.0), where=region, initial=np.inf))
         if share >= ENOUGH:
             break
     if not share > 0:
         return np.full(region.shape, np.inf)
-    return z / (share * (1 - ROUNDINGS))
+    return z / (share * (1 - 8 * EPS))
 
 
-def _proposal(region: NDArray[np.bool_], rhs: Float64, solver: Solver) -> Float64:
+def _proposal(region: NDArray[np.bool_], rhs: Float64, solver: Solver, iterations: int) -> Float64:
     """About the solution of A u = `rhs` with u = 0 on known pixels; zero there, and finite."""
     size = float(np.max(np.abs(rhs), where=region, initial=0.0))
     if not 0 < size < np.inf:
         return np.zeros(region.shape)
     problem = PoissonProblem(region, np.zeros(region.shape), rhs=rhs / size)
-    u = np.where(region, solver(problem, ITERATIONS) * size, 0.0)
+    u = np.where(region, solver(problem, iterations) * size, 0.0)
     return u if np.isfinite(u).all() else np.zeros(region.shape)
 
 
-def _residual(problem: PoissonProblem, solution: Float64, channel: int) -> Float64:
-    """b - A f' of one channel, (H, W), where the region is True; `solution` is (H, W, C)."""
+def _residual(problem: PoissonProblem, solution: Float64, channel: int) -> tuple[Float64, float]:
+    """b - A f' of one channel, (H, W), where the region is True, and a bound of its rounding errors.
+
+    `solution` is (H, W, C).
+    """
     region, guidance = problem.region, problem.guidance
-    r = np.zeros(region.shape)
+    r, rounding = np.zeros(region.shape), 0.0
     if problem.rhs is not None:
         r += problem.rhs.reshape(solution.shape)[..., channel]
         if problem.floating:
+            rounding = 2 * MEAN_EPS * _size(r)
             r -= r.mean()  # as the solvers do: a natural condition all round has a solution only then
-    if guidance is None:
-        _add_minus_image(r, solution[..., channel])
-    else:
-        across, down = (
-            part.reshape(*part.shape[:2], -1)[..., channel] for part in (guidance.across, guidance.down)
-        )
-        _add_minus_image(r, solution[..., channel], across, down)
+    across = down = None
+    if guidance is not None:
+        across, down = (with_channels(part)[..., channel] for part in (guidance.across, guidance.down))
+    rounding += _add_minus_image(r, solution[..., channel], across, down)
     r[~region] = 0.0
-    return r
+    return r, rounding
 
 
 def _add_minus_image(
     r: Float64, f: Float64, across: Values | None = None, down: Values | None = None
-) -> None:
-    """r_p += sum over q in N_p of v_pq - (f_p - f_q), with v = 0 if it is not given; all (H, W)."""
+) -> float:
+    """r_p += sum over q in N_p of v_pq - (f_p - f_q), with v = 0 if it is not given; all (H, W).
+
+    Returns a bound of the rounding errors of any pixel: four differences of f, and as many of v and those, are rounded,
+    and four sums, of up to four of them and the r that was there before.
+    """
+    before, steepest, largest = _size(r), 0.0, 0.0
     for rows in _bands(f):
-        misfit = f[rows, 1:] - f[rows, :-1]
-        if across is not None:
-            misfit += across[rows]
-        r[rows, :-1] += misfit
-        r[rows, 1:] -= misfit
         below = slice(rows.start + 1, min(rows.stop, len(f) - 1) + 1)
         above = slice(rows.start, below.stop - 1)
-        misfit = f[below] - f[above]
-        if down is not None:
-            misfit += down[above]
-        r[above] += misfit
-        r[below] -= misfit
+        for p, q, v in (((rows, slice(-1)), (rows, slice(1, None)), across), ((above,), (below,), down)):
+            misfit = f[q] - f[p]
+            steepest = max(steepest, _size(misfit))
+            if v is not None:
+                misfit += v[p[0]]
+            largest = max(largest, _size(misfit))
+            r[p] += misfit
+            r[q] -= misfit
+    return EPS * (4 * steepest + 14 * largest + 4 * before)
 
 
 def _bands(f: NDArray[np.generic]) -> Iterator[slice]:
@@ -176,17 +196,16 @@ def _one_held(region: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return held
 
 
-def _largest_term(problem: PoissonProblem, precise: Float64) -> float:
-    """What no difference v_pq - (f_p - f_q) and no right-hand side exceeds."""
-    guidance = problem.guidance
-    v = 0.0 if guidance is None else max(_size(guidance.across), _size(guidance.down))
-    return v + 2 * _size(precise) + (0.0 if problem.rhs is None else 2 * _size(problem.rhs))
-
-
 def _size(values: Values) -> float:
     """The largest absolute value; no temporary array."""
     return max(float(values.max()), -float(values.min())) if values.size else 0.0
 
 
-def _largest_difference(a: Values, b: Float64) -> float:
-    return max(float(np.abs(a[rows] - b[rows]).max()) for rows in _bands(b))
+def _storage_error(problem: PoissonProblem, precise: Float64, stored: NDArray[Any]) -> float:
+    """How far rounding can have moved the solution from `precise` to the floating-point numbers that are returned."""
+    if isinstance(problem.canvas, Arrays):
+        return max(float(np.abs(stored[rows] - precise[rows]).max()) for rows in _bands(precise))
+    if stored.dtype.kind != "f":
+        return 0.0
+    # A canvas may have added the correction to something else: that is rounded, and so is the sum.
+    return 1.01 * float(np.finfo(stored.dtype).eps) / 2 * (_size(precise) + _size(stored))

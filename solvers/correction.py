@@ -4,12 +4,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from solvers.canvas import Values, with_channels
 from solvers.hierarchy import Hierarchy, build_hierarchy
 from solvers.kernels import exact as kernels
 from solvers.layout import Float32, field_size
 from solvers.memory import Arena
-from solvers.problem import PoissonProblem, Values
+from solvers.problem import PoissonProblem
 from solvers.tolerance import LARGEST_ROW_SUM
 
 
@@ -42,6 +44,7 @@ class Correction:
             region = region.copy()
             region[region.shape[0] // 2, region.shape[1] // 2] = False
         hierarchy = build_hierarchy(region, arena)
+        arena.reclaim()  # what was needed on the way there is 5 bytes per pixel
         channels, table = problem.channels, hierarchy.table
         correction = cls(
             problem,
@@ -53,37 +56,30 @@ class Correction:
         correction.exact = correction.assemble()
         return correction
 
-    def assemble(self) -> bool:
-        """b <- the problem's residual at the first guess + total; whether float32 holds it exactly."""
-        problem, h = self.problem, self.hierarchy
-        values = _with_channels(problem.values)
-        if self.total.any():
-            values = values.astype(np.float64)
-            kernels.add_solution(
-                values, self.total, np.zeros_like(self.total), h.weight, h.finest_runs, h.table
-            )
-        nothing = np.zeros((0, 0, 0), values.dtype)
-        across = down = rhs = nothing
-        if problem.guidance is not None:
-            across, down = _with_channels(problem.guidance.across), _with_channels(problem.guidance.down)
-        elif problem.rhs is not None:
-            rhs = _with_channels(problem.rhs)
-            if problem.floating:
-                rhs = rhs - rhs.mean((0, 1))  # a natural condition all round has a solution only then
-        scratch64 = np.empty(values.shape[1] * values.shape[2])
-        return bool(
-            kernels.assemble(self.b, scratch64, values, across, down, rhs, h.weight, h.finest_runs, h.table)
-        )
+    def assemble(self, *, corrected: bool = False) -> bool:
+        """b <- the problem's residual at the first guess, or at that + total; whether float32 held it exactly."""
+        canvas, h = self.problem.canvas, self.hierarchy
+        _, width, channels = canvas.shape
+        line = np.empty(width * channels, np.float32 if canvas.small_integers else np.float64)
+        total = self.total if corrected else self.total[:0]
+        exact = True
+        for band in canvas.equations():
+            v = (_or_nothing(band.across), _or_nothing(band.down), _or_nothing(band.rhs))
+            rows = band.top, band.first, band.end
+            where = h.weight, h.diagonal, _runs_of(h.finest_runs, band.first, band.end), h.table
+            exact &= bool(kernels.assemble(self.b, line, total, band.values, *v, *rows, *where))
+        return exact
 
     def next_stage(self) -> None:
         """total <- total + x, b <- b - A x, x <- 0."""
         h = self.hierarchy
-        kernels.fold(self.total, self.x, h.finest_segments, h.table, self.problem.channels)
+        where = h.finest_segments, h.table, self.problem.channels
+        kernels.fold(self.total, self.x, *where)
         if self.exact:
             self._residual(keep=False)
         else:
-            self.assemble()
-        self.x[: self.total.size] = 0
+            self.assemble(corrected=True)
+        kernels.clear(self.x, *where)
 
     def least_error(self) -> float:
         """A lower bound of the largest error, from the true residual, in float64."""
@@ -97,18 +93,39 @@ class Correction:
         return float(np.int64(bits).view(np.float64))
 
     def solution(self, dtype: type[np.floating[Any]] | None = None) -> Values:
-        """The problem's values plus the correction, in their dtype or in `dtype`; outside the region the same bits."""
-        problem, h = self.problem, self.hierarchy
-        solution: Values = problem.values.astype(dtype or problem.values.dtype)
-        view = _with_channels(solution)
-        kernels.add_solution(view, self.total, self.x, h.weight, h.finest_runs, h.table)
-        if problem.floating:
-            drift = view.mean((0, 1), dtype=np.float64) - _with_channels(problem.values).mean(
-                (0, 1), dtype=np.float64
-            )
-            view -= drift.astype(view.dtype)
+        """What the problem's canvas makes of the correction; with `dtype`: first guess + correction, of that dtype.
+
+        Of a problem that was given as arrays both are its values plus the correction, the same bits outside the region.
+        """
+        if dtype is None:
+            return self.problem.canvas.paint(self.add_to)
+        solution: Values = self.problem.values.astype(dtype)
+        self.add_to(with_channels(solution), 0)
         return solution
 
+    def add_to(self, guess: Values, top: int) -> None:
+        """Adds the correction to rows (n, W, C) of the first guess, the first of which is row `top` of the image."""
+        h = self.hierarchy
+        runs = _runs_of(h.finest_runs, top, top + len(guess))
+        line64 = np.empty(guess.shape[1] * guess.shape[2])
+        kernels.add_solution(guess, line64, self.total, self.x, top, runs, h.table)
+        if self.problem.floating:
+            guess -= self._drift().astype(guess.dtype)
 
-def _with_channels(values: Values) -> Values:
-    return values if values.ndim == 3 else values[:, :, np.newaxis]
+    def _drift(self) -> NDArray[np.float64]:
+        """The mean of the correction, per channel."""
+        height, width, channels = self.problem.canvas.shape
+        total, x = (u[: self.total.size].reshape(channels, -1) for u in (self.total, self.x))
+        sums = total.sum(1, dtype=np.float64) + x.sum(1, dtype=np.float64)
+        return np.asarray(sums / (height * width), np.float64)
+
+
+def _runs_of(runs: NDArray[np.int32], first: int, end: int) -> NDArray[np.int32]:
+    """Those of the runs that hold pixels of rows first ... end of the image; a run is two rows high."""
+    low, high = np.searchsorted(runs[:, 0], (first // 2, (end + 1) // 2))
+    return runs[low:high]
+
+
+def _or_nothing(values: Values | None) -> Values:
+    """An array without rows in place of None: kernels take arrays only."""
+    return np.zeros((0, 0, 0), np.float32) if values is None else with_channels(values)

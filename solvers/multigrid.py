@@ -4,15 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from solvers.canvas import Values
 from solvers.certificate import Solver, proven_error
 from solvers.correction import Correction
 from solvers.cycles import CYCLES, Cycle, Cycling
 from solvers.memory import borrowed_arena
-from solvers.problem import OptionError, PoissonProblem, Values
+from solvers.problem import OptionError, PoissonProblem
 from solvers.refinement import solve_in_stages
 from solvers.result import Progress, SolveResult
 from solvers.spectrum import softness
-from solvers.team import Team
 from solvers.team import Team
 from solvers.tolerance import (
     DEFAULT_TOLERANCE,

@@ -1,12 +1,12 @@
 """The equations to solve: what every solver takes, validated once."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Values = NDArray[np.float32] | NDArray[np.float64]
+from solvers.canvas import Arrays, Canvas, Values, gather
 
 # Sums of a few values must stay far from float32's largest number, 3.4e38.
 LARGEST_VALUE = 1e30
@@ -49,7 +49,7 @@ class Guidance:
         return cls(np.zeros((height, width - 1, *channels)), np.zeros((height - 1, width, *channels)))
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, init=False, eq=False)
 class PoissonProblem:
     """Eq. (7) of Perez et al. 2003 for an image of one or more channels.
 
@@ -73,6 +73,11 @@ class PoissonProblem:
     level : float
         The size of one level, 1/255 of full scale, in the units of `values`: 1 for 8 bit, 257 for 16 bit.
 
+    Attributes
+    ----------
+    canvas : Canvas
+        The same numbers in the form in which solvers take them.
+
     Raises
     ------
     ValueError
@@ -80,10 +85,8 @@ class PoissonProblem:
     """
 
     region: NDArray[np.bool_]
-    values: Values
-    guidance: Guidance | None = None
-    rhs: Values | None = field(default=None)
-    level: float = 1.0
+    level: float
+    canvas: Canvas
 
     def __init__(
         self,
@@ -95,35 +98,70 @@ class PoissonProblem:
         level: float = 1.0,
     ) -> None:
         set_ = object.__setattr__  # the way a frozen dataclass sets its own fields
-        set_(self, "region", _region(region))
-        set_(self, "values", _floats("values", values))
-        height, width = self.region.shape
-        if (
-            self.values.ndim not in (2, 3)
-            or self.values.shape[:2] != (height, width)
-            or self.values.size == 0
-        ):
-            raise ValueError(
-                f"values of shape {self.values.shape} do not fit a region of shape {(height, width)}"
-            )
+        region, values = _region(region), _floats("values", values)
+        height, width = region.shape
+        if values.ndim not in (2, 3) or values.shape[:2] != (height, width) or values.size == 0:
+            raise ValueError(f"values of shape {values.shape} do not fit a region of shape {(height, width)}")
         if guidance is not None and rhs is not None:
             raise ValueError("give guidance or rhs, not both")
-        channels = self.values.shape[2:]
+        channels = values.shape[2:]
         if guidance is not None:
             guidance = Guidance(
                 _floats("guidance.across", guidance.across, (height, width - 1, *channels)),
                 _floats("guidance.down", guidance.down, (height - 1, width, *channels)),
             )
-        set_(self, "guidance", guidance)
-        set_(self, "rhs", None if rhs is None else _floats("rhs", rhs, self.values.shape))
-        if not (np.isfinite(level) and level > 0):
-            raise ValueError(f"level is {level}, but must be a positive number")
-        set_(self, "level", float(level))
+        rhs = None if rhs is None else _floats("rhs", rhs, values.shape)
+        # With a natural condition all round there is a solution only if the right-hand side sums to zero.
+        balanced = rhs - rhs.mean((0, 1)) if rhs is not None and region.all() else rhs
+        across, down = (None, None) if guidance is None else (guidance.across, guidance.down)
+        set_(self, "region", region)
+        set_(self, "level", _level(level))
+        set_(self, "canvas", Arrays(values, across, down, balanced))
+
+    @classmethod
+    def on_canvas(cls, region: ArrayLike, canvas: Canvas, *, level: float = 1.0) -> "PoissonProblem":
+        """A problem whose numbers are never held all at once: the canvas hands them out in bands of rows.
+
+        Parameters
+        ----------
+        region : (H, W) bool
+            True = unknown.
+        canvas : Canvas
+            Of the region's height and width.  It vouches for its numbers: finite, and below 1e30.  A solver's result
+            has as its `solution` what the canvas painted.
+        level : float
+            As above.
+        """
+        problem = cls.__new__(cls)
+        region = _region(region)
+        if canvas.shape[:2] != region.shape:
+            raise ValueError(
+                f"a canvas of shape {canvas.shape} does not fit a region of shape {region.shape}"
+            )
+        for name, value in (("region", region), ("level", _level(level)), ("canvas", canvas)):
+            object.__setattr__(problem, name, value)
+        return problem
+
+    @property
+    def values(self) -> Values:
+        """Known values and first guess, (H, W[, C]).  On another canvas than arrays it is gathered each time."""
+        return gather(self.canvas).values
+
+    @property
+    def guidance(self) -> Guidance | None:
+        """v on pixel pairs; None for v = 0."""
+        whole = gather(self.canvas)
+        return None if whole.across is None or whole.down is None else Guidance(whole.across, whole.down)
+
+    @property
+    def rhs(self) -> Values | None:
+        """What stands for the guidance, if it was given; of mean zero if no pixel is known."""
+        return gather(self.canvas).rhs
 
     @property
     def channels(self) -> int:
         """Number of channels, 1 for (H, W) values."""
-        return 1 if self.values.ndim == 2 else self.values.shape[2]
+        return self.canvas.shape[2]
 
     @property
     def unknowns(self) -> int:
@@ -146,6 +184,12 @@ def _region(region: ArrayLike) -> NDArray[np.bool_]:
     if not array.any():
         raise ValueError("region is empty: no pixel is unknown")
     return array
+
+
+def _level(level: float) -> float:
+    if not (np.isfinite(level) and level > 0):
+        raise ValueError(f"level is {level}, but must be a positive number")
+    return float(level)
 
 
 def _floats(name: str, values: Any, shape: tuple[int, ...] | None = None) -> Values:

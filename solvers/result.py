@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from solvers.problem import Values
+from solvers.canvas import Values
 
 Progress = Callable[[int, float], None]
 """Told while a solver iterates: cycles or sweeps so far, and the estimate of the largest error, in levels."""

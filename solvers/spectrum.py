@@ -18,8 +18,7 @@ from solvers.cycles import Cycling
 from solvers.hierarchy import Hierarchy
 from solvers.kernels.cycle import solve_coarsest
 from solvers.kernels.exact import subtract_image
-from solvers.layout import OFFSET, Float32, aligned_zeros, field_size
-from solvers.team import Team
+from solvers.layout import OFFSET, QUARTER, Float32, aligned_zeros, field_size
 from solvers.team import Team
 
 STEPS = 6  # the Rayleigh quotient's error shrinks by about 0.15 per step; the guess is good from the start
@@ -61,12 +60,13 @@ def softness(hierarchy: Hierarchy) -> float:
     coarsest, level = h.coarsest, h.n_levels - 1
     if len(coarsest.cells) == 0:
         return 0.0
-    size, places = field_size(h.table, 1), int(h.table[level, OFFSET]) + coarsest.cells
-    x, b = aligned_zeros(size), aligned_zeros(size)  # memory that is never touched costs nothing
-    b[places] = h.unknowns[0] / h.unknowns[level]
+    table = h.table[level : level + 1].copy()  # of fields that have the coarsest level only
+    table[0, OFFSET] = 0
+    x, b = (aligned_zeros(4 * int(table[0, QUARTER])) for _ in range(2))
+    b[coarsest.cells] = h.unknowns[0] / h.unknowns[level]
     scratch64 = np.empty(len(coarsest.cells))
-    solve_coarsest(x, b, coarsest.band, coarsest.cells, scratch64, h.table, level, 1)
-    return float(x[places].max())
+    solve_coarsest(x, b, coarsest.band, coarsest.cells, scratch64, table, 0, 1)
+    return float(x[coarsest.cells].max())
 
 
 def best_omega(hierarchy: Hierarchy, team: Team) -> float:

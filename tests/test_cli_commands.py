@@ -264,6 +264,8 @@ def test_json_is_one_object_with_everything(folder, poisson):
         "iterations": report.iterations,
         "tolerance": 0.001,
         "error_estimate": report.error_estimate,
+        "error_bound": None,
+        "advice": None,
         "floating": False,
         "boundary_mismatch": list(report.boundary_mismatch),
         "clipped": report.clipped,

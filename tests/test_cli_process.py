@@ -81,7 +81,7 @@ def test_help_has_an_example_and_the_defaults(command):
     text = poisson(command, "--help").stdout
     assert f"\n    poisson {command} " in text
     flat = " ".join(text.split())
-    for default in ("128", "multigrid", "F", "0.0005"):
+    for default in ("128", "multigrid", "F", "0.0002"):
         assert f"[default: {default}]" in flat
 
 

@@ -54,18 +54,20 @@ def command(
     the bird; the top-left corner of bird.jpg goes to column 320, row 40 of sky.png:
       poisson clone bird.jpg sky.png -m mask.png --at 320,40 -o out.png
     """
-    from poisson_cli import job, report
+    from poisson_cli import job, progress, report
 
-    summary = job.run(
-        job.Job(
-            tool="clone",
-            source=source,
-            destination=destination,
-            selection=selection,
-            placement=placement,
-            parameters={"gradients": gradients, "monochrome": monochrome},
-            solver=solver,
-            output=output,
+    with progress.shown(reporting, solver) as watch:
+        summary = job.run(
+            job.Job(
+                tool="clone",
+                source=source,
+                destination=destination,
+                selection=selection,
+                placement=placement,
+                parameters={"gradients": gradients, "monochrome": monochrome},
+                solver=solver,
+                output=output,
+            ),
+            progress=watch,
         )
-    )
     report.tell(summary, reporting)

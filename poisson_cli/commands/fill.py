@@ -32,9 +32,11 @@ def command(image: Path, selection: Selection, solver: Solver, output: Output, r
     Example: two scratches, white in scratches.png, and a date stamp in a corner:
       poisson fill scan.png -m scratches.png --rect 560,440,70,24 -o out.png
     """
-    from poisson_cli import job, report
+    from poisson_cli import job, progress, report
 
-    summary = job.run(
-        job.Job(tool="fill", destination=image, selection=selection, solver=solver, output=output)
-    )
+    with progress.shown(reporting, solver) as watch:
+        summary = job.run(
+            job.Job(tool="fill", destination=image, selection=selection, solver=solver, output=output),
+            progress=watch,
+        )
     report.tell(summary, reporting)

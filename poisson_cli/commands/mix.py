@@ -43,17 +43,19 @@ def command(
     Example: handwriting onto a wall, the whole of note.png (400x300) at column 80, row 120:
       poisson mix note.png wall.jpg --rect 0,0,400,300 --at 80,120 -o out.png
     """
-    from poisson_cli import job, report
+    from poisson_cli import job, progress, report
 
-    summary = job.run(
-        job.Job(
-            tool="mix",
-            source=source,
-            destination=destination,
-            selection=selection,
-            placement=placement,
-            solver=solver,
-            output=output,
+    with progress.shown(reporting, solver) as watch:
+        summary = job.run(
+            job.Job(
+                tool="mix",
+                source=source,
+                destination=destination,
+                selection=selection,
+                placement=placement,
+                solver=solver,
+                output=output,
+            ),
+            progress=watch,
         )
-    )
     report.tell(summary, reporting)

@@ -42,29 +42,21 @@ class Placement:
         height, width = self.region.shape
         return destination[self.top : self.top + height, self.left : self.left + width]
 
-    def on_source(self, source: NDArray[Any]) -> NDArray[Any]:
-        """The source under the window; where there is none it continues with the value at its edge.
-
-        Omega itself lies on the source.  Only the ring can leave it, and the gradient of a pixel pair that leaves the
-        source is thus zero.
-        """
-        rows, cols, padding = self._source_window()
-        inside = source[rows, cols]
-        if not any(map(any, padding)):
-            return inside
-        return np.pad(inside, [*padding, *[(0, 0)] * (source.ndim - 2)], mode="edge")
-
     def has_source(self) -> NDArray[np.bool_]:
         """(h, w) bool: which pixels of the window lie on the source."""
-        _, _, padding = self._source_window()
+        _, _, padding = self.source_window()
         (north, south), (west, east) = padding
         height, width = self.region.shape
         inside = np.zeros((height, width), np.bool_)
         inside[north : height - south, west : width - east] = True
         return inside
 
-    def _source_window(self) -> tuple[slice, slice, tuple[tuple[int, int], tuple[int, int]]]:
-        """Rows and columns of the source under the window, and how many the window has beyond them on each side."""
+    def source_window(self) -> tuple[slice, slice, tuple[tuple[int, int], tuple[int, int]]]:
+        """Rows and columns of the source under the window, and how many the window has beyond them on each side.
+
+        Omega itself lies on the source.  Only the ring can leave it; the source is taken to continue there with the
+        value at its edge, and the gradient of a pixel pair that leaves the source is thus zero.
+        """
         slices, padding = [], []
         for axis, start in enumerate((self.top - self.offset[0], self.left - self.offset[1])):
             stop = start + self.region.shape[axis]
@@ -135,7 +127,7 @@ def place(
         max(0, low[0] - shift[0]) : max(0, high[0] - shift[0]),
         max(0, low[1] - shift[1]) : max(0, high[1] - shift[1]),
     ]
-    selected = covered != 0
+    selected = covered if covered.dtype == np.bool_ else covered != 0
     rows, cols = np.flatnonzero(selected.any(1)), np.flatnonzero(selected.any(0))
     if rows.size == 0:
         if not np.any(mask):

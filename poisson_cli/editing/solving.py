@@ -5,6 +5,7 @@ from typing import Literal, TypedDict
 from poisson_cli.errors import InputError, NotConverged
 from solvers import DEFAULT_TOLERANCE, OptionError, PoissonProblem, SolveResult, solve_multigrid, solve_sor
 from solvers.cycles import Cycle
+from solvers.result import Progress
 
 Solver = Literal["multigrid", "sor"]
 
@@ -22,6 +23,10 @@ class SolverOptions(TypedDict, total=False):
         Cycles or sweeps after which to give up.
     threads : int or None
         The result is the same, bit for bit, for any number.
+    certify : bool
+        Also prove an upper bound of the error in any pixel (before values are rounded to integers): ``error_bound``.
+    progress : callable or None
+        Called as the solver goes, with the cycles or sweeps so far and the estimated error in levels.
     """
 
     solver: Solver
@@ -29,6 +34,8 @@ class SolverOptions(TypedDict, total=False):
     tolerance: float
     max_iterations: int | None
     threads: int | None
+    certify: bool
+    progress: Progress | None
 
 
 def solve(
@@ -39,6 +46,8 @@ def solve(
     tolerance: float = DEFAULT_TOLERANCE,
     max_iterations: int | None = None,
     threads: int | None = None,
+    certify: bool = False,
+    progress: Progress | None = None,
 ) -> SolveResult:
     """Solves a problem as the options say.
 
@@ -52,10 +61,23 @@ def solve(
     try:
         if solver == "multigrid":
             result = solve_multigrid(
-                problem, cycle=cycle, tolerance=tolerance, max_iterations=max_iterations, threads=threads
+                problem,
+                cycle=cycle,
+                tolerance=tolerance,
+                max_iterations=max_iterations,
+                threads=threads,
+                certify=certify,
+                progress=progress,
             )
         elif solver == "sor":
-            result = solve_sor(problem, tolerance=tolerance, max_iterations=max_iterations, threads=threads)
+            result = solve_sor(
+                problem,
+                tolerance=tolerance,
+                max_iterations=max_iterations,
+                threads=threads,
+                certify=certify,
+                progress=progress,
+            )
         else:
             raise OptionError(f"solver is {solver!r}, but must be 'multigrid' or 'sor'")
     except OptionError as error:

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from poisson_cli.errors import InputError
-from solvers.problem import LARGEST_VALUE, Values
+from solvers.canvas import Values
+from solvers.problem import LARGEST_VALUE
 
 FULL_SCALE: dict[type[np.generic], float] = {
     np.uint8: 255.0,
@@ -47,48 +48,47 @@ def level(dtype: np.dtype[Any]) -> float:
     return FULL_SCALE[dtype.type] / 255.0
 
 
-def to_working(name: str, stored: NDArray[Any]) -> Values:
-    """Stored values as floats of the same scale: float64 for float64, float32 for all others.
+def working_dtype(dtype: np.dtype[Any]) -> np.dtype[Any]:
+    """The floats to compute with: float64 for float64, float32 for all others."""
+    return np.dtype(np.float64 if dtype == np.float64 else np.float32)
 
-    Raises
-    ------
-    InputError
-        If a value is NaN, infinite, or too large to compute with.
-    """
-    working: Values
-    working = stored.astype(np.float64) if stored.dtype == np.float64 else stored.astype(np.float32)
-    if stored.dtype.kind == "f" and working.size:
-        if not (-LARGEST_VALUE < working.min() <= working.max() < LARGEST_VALUE):
+
+def check_values(name: str, stored: NDArray[Any]) -> None:
+    """InputError if a value is NaN, infinite, or too large to compute with."""
+    if stored.dtype.kind == "f" and stored.size:
+        if not (-LARGEST_VALUE < stored.min() <= stored.max() < LARGEST_VALUE):
             raise InputError(
                 f"the {name} has NaN, infinite or huge values in or beside the selection; replace them first"
             )
-    return working
 
 
 def to_storage(working: Values, dtype: np.dtype[Any]) -> NDArray[Any]:
-    """Working floats in a picture's depth: integers are rounded half to even and clipped, floats are kept."""
+    """Working floats in a picture's depth: integers are rounded half to even and clipped, floats are kept.
+
+    `working` is written into.
+    """
     if dtype.kind == "f":
         return working.astype(dtype, copy=False)
-    rounded = np.rint(working)
-    return np.clip(rounded, 0, FULL_SCALE[dtype.type], out=rounded).astype(dtype)
+    np.rint(working, out=working)
+    return np.clip(working, 0, FULL_SCALE[dtype.type], out=working).astype(dtype)
 
 
 def count_clipped(working: Values, dtype: np.dtype[Any]) -> int:
     """How many values `to_storage` would clip; none for floats."""
     if dtype.kind == "f":
         return 0
-    return int(np.count_nonzero((working < -0.5) | (working > FULL_SCALE[dtype.type] + 0.5)))
+    return int(np.count_nonzero(working < -0.5) + np.count_nonzero(working > FULL_SCALE[dtype.type] + 0.5))
 
 
 def luminance(working: Values) -> Values:
-    """(H, W) luminance of an (H, W, 3) picture; grey pictures are returned as (H, W)."""
-    if working.ndim == 2:
-        return working
+    """(n, w) luminance of (n, w, 3) values; those of one channel as they are."""
     if working.shape[2] == 1:
         return working[:, :, 0]
-    if working.shape[2] != 3:
-        raise InputError(
-            f"luminance needs red, green and blue, but the source has {working.shape[2]} channels"
-        )
     grey: Values = working @ np.array(LUMINANCE, working.dtype)
     return grey
+
+
+def check_luminance(channels: int) -> None:
+    """InputError if pictures of so many channels have no luminance."""
+    if channels not in (1, 3):
+        raise InputError(f"luminance needs red, green and blue, but the source has {channels} channels")

@@ -10,16 +10,15 @@ and return the picture alone.
 
 from typing import Any, Unpack
 
-import numpy as np
 from numpy.typing import NDArray
 
 from poisson_cli.editing import guidance, tone
 from poisson_cli.editing.compose import Edit, compose
 from poisson_cli.editing.guidance import GRADIENTS, Gradients
+from poisson_cli.editing.layers import Layer
 from poisson_cli.editing.placement import MaskOn, place
 from poisson_cli.editing.solving import SolverOptions
 from poisson_cli.errors import InputError
-from solvers.problem import Values
 
 
 def clone(
@@ -77,10 +76,8 @@ def clone(
         raise InputError(f"gradients is {gradients!r}, but must be one of {', '.join(map(repr, GRADIENTS))}")
     destination, source = _check_pair(destination, source)
     placement = place(destination.shape, source.shape, mask, offset=offset, mask_on=mask_on)
-    g = tone.to_working("source", placement.on_source(source))
-    if monochrome:
-        g = tone.luminance(g)
-    return compose("clone", destination, placement, _spread(g, destination), GRADIENTS[gradients], **options)
+    g = Layer.of_source(source, placement, _channels(destination), monochrome=monochrome)
+    return compose("clone", destination, placement, g, GRADIENTS[gradients], **options)
 
 
 def mix(
@@ -99,8 +96,8 @@ def mix(
     """
     destination, source = _check_pair(destination, source)
     placement = place(destination.shape, source.shape, mask, offset=offset, mask_on=mask_on)
-    g = tone.to_working("source", placement.on_source(source))
-    return compose("mix", destination, placement, _spread(g, destination), guidance.mixed, **options)
+    g = Layer.of_source(source, placement, _channels(destination))
+    return compose("mix", destination, placement, g, guidance.mixed, **options)
 
 
 def fill(image: NDArray[Any], mask: NDArray[Any], **options: Unpack[SolverOptions]) -> Edit:
@@ -117,7 +114,7 @@ def fill(image: NDArray[Any], mask: NDArray[Any], **options: Unpack[SolverOption
     """
     image = tone.check_picture("image", image)
     placement = place(image.shape, image.shape, mask)
-    return compose("fill", image, placement, None, None, **options)
+    return compose("fill", image, placement, None, guidance.membrane, **options)
 
 
 def _check_pair(destination: Any, source: Any) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -131,22 +128,5 @@ def _check_pair(destination: Any, source: Any) -> tuple[NDArray[Any], NDArray[An
     return destination, source
 
 
-def _spread(g: Values, destination: NDArray[Any]) -> Values:
-    """g with the destination's channels: a grey one is spread over all of them."""
-    if destination.ndim == 2:
-        if g.ndim == 3 and g.shape[2] == 1:
-            return g[:, :, 0]
-        if g.ndim == 3:
-            raise InputError(
-                f"the source has {g.shape[2]} channels but the destination is grey: convert the source, or import "
-                "its luminance only (monochrome)"
-            )
-        return g
-    channels = destination.shape[2]
-    if g.ndim == 2:
-        g = g[:, :, np.newaxis]
-    if g.shape[2] not in (1, channels):
-        raise InputError(
-            f"the source has {g.shape[2]} channels but the destination has {channels}: convert one of them"
-        )
-    return g if g.shape[2] == channels else g[:, :, [0] * channels]
+def _channels(picture: NDArray[Any]) -> int | None:
+    return picture.shape[2] if picture.ndim == 3 else None

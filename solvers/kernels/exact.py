@@ -3,115 +3,178 @@
 import numpy as np
 
 from solvers.kernels.policy import jit
-from solvers.layout import QUARTER, STRIDE
+from solvers.layout import HEIGHT, QUARTER, STRIDE, WIDTH
 
 ABS_BITS = np.int64(0x7FFFFFFFFFFFFFFF)  # all but the sign of a float64
 
 
-@jit
-def assemble(b, scratch64, values, across, down, rhs, weight, runs, table):
-    """b = the residual of the problem at f: rhs_p + sum over q of v_pq - (f_p - f_q), summed in float64.
+# --- the right-hand side -----------------------------------------------------------------------------------------
 
-    values: (height, width, channels) f, known outside the region, first guess inside.  across, down: v on pixel pairs
-    (`Guidance`); rhs: like values; arrays without rows stand for zeros.  scratch64: width * channels.
+
+@jit
+def add_difference(sums, a, b):
+    """sums += a - b; the arrays are at least as long as `sums`."""
+    as_sum = sums.dtype.type
+    for i in range(sums.shape[0]):
+        sums[i] += as_sum(a[i]) - as_sum(b[i])
+
+
+@jit
+def add_differences(sums, a, b, middle):
+    """sums += (a - middle) + (b - middle)."""
+    as_sum = sums.dtype.type
+    for i in range(sums.shape[0]):
+        sums[i] += (as_sum(a[i]) - as_sum(middle[i])) + (as_sum(b[i]) - as_sum(middle[i]))
+
+
+@jit
+def set_differences(sums, a, b, middle):
+    """sums = (a - middle) + (b - middle)."""
+    as_sum = sums.dtype.type
+    for i in range(sums.shape[0]):
+        sums[i] = (as_sum(a[i]) - as_sum(middle[i])) + (as_sum(b[i]) - as_sum(middle[i]))
+
+
+@jit
+def residual_of_row(line, values, across, down, rhs, y, is_first, is_last, low, high):
+    """line = rhs_p + sum over q of v_pq - (f_p - f_q) for columns low ... high of row y of the arrays.
+
+    line: channels interleaved, as in the arrays.  is_first, is_last: whether it is the image's first row, its last.
+    """
+    width, channels = values.shape[1:]
+    start, stop = low * channels, high * channels
+    n = stop - start
+    # Columns from `begin` to `end` have a neighbour on both sides.
+    begin, end = max(start, channels), max(min(stop, (width - 1) * channels), channels)
+    west_edge, east_edge = low == 0 and width > 1, high == width and width > 1
+    inner, first_pixel, last_pixel = (
+        line[begin - start : end - start],
+        line[:channels],
+        line[n - channels : n],
+    )
+
+    row = values[y].reshape(-1)
+    # A pixel beyond the edge, in whose place stands the pixel itself, makes no difference.
+    north = values[y if is_first else y - 1].reshape(-1)
+    south = values[y if is_last else y + 1].reshape(-1)
+    set_differences(line[:n], north[start:], south[start:], row[start:])
+    if end > begin:
+        add_differences(inner, row[begin - channels :], row[begin + channels :], row[begin:])
+    if west_edge:
+        add_difference(first_pixel, row[channels:], row)
+    if east_edge:
+        add_difference(last_pixel, row[stop - 2 * channels :], row[stop - channels :])
+    if across.shape[0] > 0:
+        v = across[y].reshape(-1)
+        if end > begin:
+            add_difference(inner, v[begin:], v[begin - channels :])
+        if west_edge:
+            for i in range(channels):
+                first_pixel[i] += v[i]
+        if east_edge:
+            for i in range(channels):
+                last_pixel[i] -= v[stop - 2 * channels + i]
+    if down.shape[0] > 0:
+        if not is_first:
+            v = down[y - 1].reshape(-1)[start:stop]
+            for i in range(n):
+                line[i] -= v[i]
+        if not is_last:
+            v = down[y].reshape(-1)[start:stop]
+            for i in range(n):
+                line[i] += v[i]
+    if rhs.shape[0] > 0:
+        v = rhs[y].reshape(-1)[start:stop]
+        for i in range(n):
+            line[i] += v[i]
+
+
+@jit
+def assemble(b, line, total, values, across, down, rhs, top, first, end, weight, diagonal, runs, table):
+    """b = the problem's residual at f + total, for rows first ... end of the image (`first` is even).
+
+    line: scratch for width * channels sums, of the type that they are to be summed in.  total: as b, or empty for
+    zeros.  values: (n, width, channels) f, known outside the region, first guess inside; row `top` of the image comes
+    first.  across, down: v on pixel pairs (`Guidance`); rhs: like values; arrays without rows stand for zeros.  runs:
+    those of the rows.
 
     Returns whether float32 held every value of b exactly.
     """
-    height, width, channels = values.shape
-    stride, size = table[0, STRIDE], table[0, QUARTER]
-    guided, given = across.shape[0] > 0 or down.shape[0] > 0, rhs.shape[0] > 0
+    channels = values.shape[2]
+    height, width, stride, size = table[0, HEIGHT], table[0, WIDTH], table[0, STRIDE], table[0, QUARTER]
+    step = 2 * channels
     inexact = 0
     for k in range(runs.shape[0]):
-        for row in range(2 * runs[k, 0], min(2 * np.int64(runs[k, 0]) + 2, height)):
-            low, high = 2 * np.int64(runs[k, 1]), min(2 * np.int64(runs[k, 2]), width)
-            # Pixels of the row as one line of values, channels interleaved.
-            n = (high - low) * channels
-            line = scratch64[:n]
-            own = values[row].reshape(-1)[low * channels : high * channels]
-            if given:
-                source = rhs[row].reshape(-1)[low * channels : high * channels]
-                for i in range(n):
-                    line[i] = source[i]
-            else:
-                for i in range(n):
-                    line[i] = 0.0
-            if row > 0:
-                other = values[row - 1].reshape(-1)[low * channels : high * channels]
-                for i in range(n):
-                    line[i] += np.float64(other[i]) - own[i]
-                if guided:
-                    v = down[row - 1].reshape(-1)[low * channels : high * channels]
-                    for i in range(n):
-                        line[i] -= v[i]
-            if row < height - 1:
-                other = values[row + 1].reshape(-1)[low * channels : high * channels]
-                for i in range(n):
-                    line[i] += np.float64(other[i]) - own[i]
-                if guided:
-                    v = down[row].reshape(-1)[low * channels : high * channels]
-                    for i in range(n):
-                        line[i] += v[i]
-            # Horizontal pairs: the first pixel of a row has no west, the last one no east neighbour.
-            begin = channels if low == 0 else 0
-            if n > begin:
-                other = values[row].reshape(-1)[
-                    low * channels + begin - channels : high * channels - channels
-                ]
-                here, sums = own[begin:], line[begin:]
-                for i in range(n - begin):
-                    sums[i] += np.float64(other[i]) - here[i]
-                if guided:
-                    v = across[row].reshape(-1)[
-                        low * channels + begin - channels : high * channels - channels
-                    ]
-                    for i in range(n - begin):
-                        sums[i] -= v[i]
-            m = n - channels if high == width else n
-            if m > 0:
-                other = values[row].reshape(-1)[(low + 1) * channels : low * channels + channels + m]
-                for i in range(m):
-                    line[i] += np.float64(other[i]) - own[i]
-                if guided:
-                    v = across[row].reshape(-1)[low * channels : low * channels + m]
-                    for i in range(m):
-                        line[i] += v[i]
+        begin = np.int64(runs[k, 0]) * 2
+        low, high = np.int64(runs[k, 1]) * 2, min(np.int64(runs[k, 2]) * 2, width)
+        for row in range(max(begin, first), min(begin + 2, end)):
+            residual_of_row(
+                line, values, across, down, rhs, row - top, row == 0, row == height - 1, low, high
+            )
             for side in range(2):
                 quarter = 2 * (row & 1) + side
                 places = (high - low - side + 1) // 2
-                o = quarter * size + (np.int64(runs[k, 0]) + 1) * stride + low // 2
+                at = (begin // 2 + 1) * stride + low // 2
+                o = quarter * size + at
                 w = weight[o : o + places]
                 for channel in range(channels):
-                    a = o + 4 * channel * size
-                    target = b[a : a + places]
-                    values_of = line[side * channels + channel :]
-                    for i in range(places):
-                        total = values_of[2 * channels * i] if w[i] > 0 else 0.0
-                        target[i] = total
-                        inexact += np.float64(np.float32(total)) != total
+                    plane = 4 * channel * size
+                    target = b[plane + o : plane + o + places]
+                    sums = line[side * channels + channel :]
+                    if total.shape[0] > 0:
+                        d, t = diagonal[o : o + places], total[plane + o : plane + o + places]
+                        q = plane + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride)
+                        north, south = total[q : q + places], total[q + stride : q + stride + places]
+                        q = plane + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1)
+                        west, east = total[q : q + places], total[q + 1 : q + 1 + places]
+                        for i in range(places):
+                            image = np.float64(d[i]) * t[i] - (
+                                (np.float64(north[i]) + south[i]) + (np.float64(west[i]) + east[i])
+                            )
+                            target[i] = sums[step * i] - image if w[i] > 0 else 0.0
+                    else:
+                        for i in range(places):
+                            sum_ = sums[step * i] if w[i] > 0 else line.dtype.type(0)
+                            target[i] = sum_
+                            inexact += np.float32(sum_) != sum_
     return inexact == 0
 
 
+# --- the solution ------------------------------------------------------------------------------------------------
+
+
 @jit
-def add_solution(solution, total, x, weight, runs, table):
-    """solution += total + x, summed in float64, on the region; solution: (height, width, channels)."""
-    height, width, channels = solution.shape
+def add_solution(solution, line64, total, x, top, runs, table):
+    """solution += total + x, summed in float64.
+
+    solution: (n, width, channels), rows top ... top + n of the image (`top` is even).  line64: scratch for width *
+    channels values.  runs: those of the rows.
+    """
+    rows, width, channels = solution.shape
     stride, size = table[0, STRIDE], table[0, QUARTER]
+    step = 2 * channels
     for k in range(runs.shape[0]):
-        for row in range(2 * runs[k, 0], min(2 * np.int64(runs[k, 0]) + 2, height)):
-            low, high = 2 * np.int64(runs[k, 1]), min(2 * np.int64(runs[k, 2]), width)
+        begin = np.int64(runs[k, 0]) * 2
+        low, high = np.int64(runs[k, 1]) * 2, min(np.int64(runs[k, 2]) * 2, width)
+        n = (high - low) * channels
+        for row in range(max(begin, top), min(begin + 2, top + rows)):
             for side in range(2):
-                quarter = 2 * (row & 1) + side
                 places = (high - low - side + 1) // 2
-                o = quarter * size + (np.int64(runs[k, 0]) + 1) * stride + low // 2
-                w = weight[o : o + places]
+                o = (2 * (row & 1) + side) * size + (begin // 2 + 1) * stride + low // 2
                 for channel in range(channels):
                     a = o + 4 * channel * size
                     t, own = total[a : a + places], x[a : a + places]
-                    line = solution[row].reshape(-1)[(low + side) * channels + channel :]
+                    sums = line64[side * channels + channel :]
                     for i in range(places):
-                        u = np.float64(t[i]) + own[i]
-                        if w[i] > 0 and u != 0.0:  # an unchanged -0.0 keeps its sign
-                            line[2 * channels * i] += u
+                        sums[step * i] = np.float64(t[i]) + own[i]
+            target = solution[row - top].reshape(-1)[low * channels : high * channels]
+            for i in range(n):
+                target[i] += (
+                    line64[i] if line64[i] != 0.0 else -0.0
+                )  # adding -0.0 changes nothing, not even -0.0
+
+
+# --- from stage to stage -----------------------------------------------------------------------------------------
 
 
 @jit
@@ -126,6 +189,15 @@ def fold(total, x, segments, table, channels):
                 new = t[i] + own[i]
                 own[i] = new - t[i]
                 t[i] = new
+
+
+@jit
+def clear(x, segments, table, channels):
+    """x = 0 on the finest level."""
+    size = table[0, QUARTER]
+    for line in range(4 * channels):
+        for k in range(segments.shape[0]):
+            x[line * size + segments[k, 0] : line * size + segments[k, 1]] = 0
 
 
 @jit
@@ -152,9 +224,8 @@ def subtract_image(b, scratch64, x, weight, diagonal, segments, table, channels,
                 o = plane + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1)
                 west, east = x[o : o + n], x[o + 1 : o + 1 + n]
                 for i in range(n):
-                    r[i] = (np.float64(north[i]) + south[i]) + (np.float64(west[i]) + east[i])
-                for i in range(n):
-                    r[i] = np.float64(rhs[i]) - np.float64(d[i]) * own[i] + r[i] if w[i] > 0 else 0.0
+                    near = (np.float64(north[i]) + south[i]) + (np.float64(west[i]) + east[i])
+                    r[i] = np.float64(rhs[i]) - np.float64(d[i]) * own[i] + near if w[i] > 0 else 0.0
                 bits = r.view(np.int64)
                 for i in range(n):
                     largest = max(largest, bits[i] & ABS_BITS)
