@@ -18,9 +18,9 @@ import math
 
 from solvers.problem import OptionError
 
-# In levels (1/255 of full scale).  Of evenly spread values, the share that is rounded to another 8-bit integer than the
-# exact one is the mean error.  A smooth error, the last to go, has half its largest value on average: 1e-4 then, so that
-# 99.99 % of the values are those of a direct solver.
+# In levels (1/255 of full scale).  Of evenly spread values, the share that is rounded to another 8-bit integer than
+# the exact one is the mean error.  A smooth error, the last to go, has half its largest value on average: 1e-4 then,
+# so that 99.99 % of the values are those of a direct solver.
 DEFAULT_TOLERANCE = 2e-4
 
 # A row of A holds the number of neighbours once and -1 for each of them: 4 + 4 at most.

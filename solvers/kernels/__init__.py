@@ -3,9 +3,9 @@
 `solvers.layout` says where a value lies; the names here are the same.  Arguments come in one order: what is written
 first, then what is read, then scalars.  Kernels validate nothing, allocate nothing and raise nothing.
 
-Arrays are indexed by unsigned integers, ``x[own + i]`` with ``own = u(...)`` and ``i`` in ``range(u(n))``: with signed ones
-numba adds a wrap-around test to each access and LLVM no longer vectorises the loop.  Slices would do too, but each
-costs some instructions and a reference count, which is more than the work on a short run.
+Arrays are indexed by unsigned integers, ``x[own + i]`` with ``own = u(...)`` and ``i`` in ``range(u(n))``: with signed
+ones numba adds a wrap-around test to each access and LLVM no longer vectorises the loop.  Slices do too, but each costs
+some instructions and a reference count, which is more than the work on a short run.
 
 LLVM also gives up a loop that writes one array and reads so many others that it would need more than eight overlap
 tests.  Loops that read many arrays are therefore cut in two, with a stretch of `scratch` in between that stays in the

@@ -108,7 +108,9 @@ def relax_segment(x, b, weight, edge_e, edge_s, scratch, segments, table, level,
             change = relax_finest(x, b, weight, size, stride, plane, quarter, at, n)
             largest = largest_of(largest, change)
         else:
-            relax_coarse(x, b, weight, edge_e, edge_s, scratch, size, stride, plane, offset, skip, quarter, at, n)
+            relax_coarse(
+                x, b, weight, edge_e, edge_s, scratch, size, stride, plane, offset, skip, quarter, at, n
+            )
     return largest
 
 
@@ -130,7 +132,9 @@ def add_residual_finest(scratch, x, b, weight, diagonal, size, stride, plane, qu
 
 
 @inlined
-def add_residual_coarse(scratch, x, b, diagonal, edge_e, edge_s, size, stride, plane, offset, skip, quarter, at, n):
+def add_residual_coarse(
+    scratch, x, b, diagonal, edge_e, edge_s, size, stride, plane, offset, skip, quarter, at, n
+):
     """scratch += residual of n places of one quarter of a coarse level."""
     here = quarter * size + at
     above = (quarter ^ 2) * size + at - (0 if quarter & 2 else stride)
@@ -148,7 +152,7 @@ def add_residual_coarse(scratch, x, b, diagonal, edge_e, edge_s, size, stride, p
 
 @inlined
 def hand_down(x, b, scratch, start, n, at, size):
-    """n sums from scratch[start] on become right-hand sides on the level below, even columns at `at`; its x is zeroed."""
+    """n sums from scratch[start] on become right-hand sides of level + 1, even columns at `at`; x there is zeroed."""
     even, odd, first, half = u(at), u(at + size), u(start), u(n // 2)
     for i in range(half):
         b[even + i] = scratch[first + i + i]
@@ -161,7 +165,9 @@ def hand_down(x, b, scratch, start, n, at, size):
 
 
 @inlined
-def restrict_segment(x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, channel, k):
+def restrict_segment(
+    x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, channel, k
+):
     """Right-hand side of level + 1 below a segment: each cell the sum of its children's residuals.  Its x becomes zero.
 
     A black half sweep must have come before: black residuals are then zero, and only the red ones are computed.
@@ -277,13 +283,28 @@ def sweep(
             black_start = segments[k, 0] if k < black_to else red_start
             if d < restrict_to and segments[d, 1] + stride + 1 <= black_start:
                 restrict_segment(
-                    x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, channel, d
+                    x,
+                    b,
+                    weight,
+                    diagonal,
+                    edge_e,
+                    edge_s,
+                    scratch,
+                    runs,
+                    segments,
+                    table,
+                    level,
+                    channels,
+                    channel,
+                    d,
                 )
                 d += 1
                 continue
             black = k < black_to and segments[k, 1] + stride + 1 <= red_start
             if not black and p < prolong_to and (r >= red_to or segments[p, 0] < segments[r, 1] + stride + 1):
-                change = prolong_segment(x, weight, scratch, runs, segments, table, level, channels, channel, p)
+                change = prolong_segment(
+                    x, weight, scratch, runs, segments, table, level, channels, channel, p
+                )
                 by_correction = largest_of(by_correction, change)
                 p += 1
                 continue
