@@ -153,11 +153,7 @@ def place(
 
 def _size(shape: tuple[int, ...]) -> str:
     """A size as people say it, width first."""
-    return (
-        " x ".join(str(n) for n in (*shape[1::-1], *shape[2:]))
-        if len(shape) >= 2
-        else f"{len(shape)}-dimensional"
-    )
+    return f"{shape[1]}x{shape[0]}" if len(shape) >= 2 else f"{len(shape)}-dimensional"
 
 
 def _other_way_out(
