@@ -1,4 +1,4 @@
-"""`python -m benchmarks [paper | convergence | sizes | shapes | memory]`: parse, limit the threads, hand over.
+"""`python -m benchmarks [paper | convergence | sizes | shapes | memory | startup]`: parse, one thread each, hand over.
 
 Exit codes: 0 every answer was right, 1 some answer was wrong (the table says which), 2 usage.
 """
@@ -80,6 +80,12 @@ def parser() -> argparse.ArgumentParser:
     )
     memory.add_argument(
         "--megapixels", type=float, default=16.0, metavar="N", help="size of the crop (default: %(default)s)"
+    )
+    startup = commands.add_parser(
+        "startup", parents=[shared], help="whole processes: a clone, the help, the first run"
+    )
+    startup.add_argument(
+        "--rounds", type=int, default=15, metavar="N", help="interleaved rounds (default: %(default)s)"
     )
     return top
 

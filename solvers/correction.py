@@ -64,7 +64,7 @@ class Correction:
         total = self.total if corrected else self.total[:0]
         exact = True
         for band in canvas.equations():
-            v = (_or_nothing(band.across), _or_nothing(band.down), _or_nothing(band.rhs))
+            v = [_or_nothing(array, band.values) for array in (band.across, band.down, band.rhs)]
             rows = band.top, band.first, band.end
             where = h.weight, h.diagonal, _runs_of(h.finest_runs, band.first, band.end), h.table
             exact &= bool(kernels.assemble(self.b, line, total, band.values, *v, *rows, *where))
@@ -126,6 +126,6 @@ def _runs_of(runs: NDArray[np.int32], first: int, end: int) -> NDArray[np.int32]
     return runs[low:high]
 
 
-def _or_nothing(values: Values | None) -> Values:
-    """An array without rows in place of None: kernels take arrays only."""
-    return np.zeros((0, 0, 0), np.float32) if values is None else with_channels(values)
+def _or_nothing(values: Values | None, like: Values) -> Values:
+    """An array without rows in place of None: kernels take arrays only, and are compiled for arrays of one dtype."""
+    return np.zeros((0, 0, 0), like.dtype) if values is None else with_channels(values)

@@ -6,13 +6,15 @@ of about the same size; each band computes from values that no other band change
 
 import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 from types import TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from concurrent.futures import ThreadPoolExecutor
 
 # Values (unknowns times channels) below which an operation is too short to be worth handing out: about 50 us.
 WORTH_SHARING = 200_000
@@ -38,7 +40,11 @@ class Team:
         if threads is None:
             threads = available_cores() if values >= 4 * WORTH_SHARING else 1
         self.threads = threads
-        self._pool = ThreadPoolExecutor(threads - 1) if threads > 1 else None
+        self._pool: ThreadPoolExecutor | None = None
+        if threads > 1:
+            from concurrent import futures  # takes 5 ms, which most solves need not spend
+
+            self._pool = futures.ThreadPoolExecutor(threads - 1)
 
     def __enter__(self) -> "Team":
         return self

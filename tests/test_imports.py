@@ -64,7 +64,9 @@ def foreign(path: Path) -> list[Import]:
 @pytest.mark.parametrize("path", files("solvers"), ids=name)
 def test_solvers_know_numpy_numba_and_themselves(path):
     for one in foreign(path):
-        assert within(one.module, "numpy", "numba", "solvers"), one
+        # llvmlite comes with numba, and links what numba compiled where numba is not imported.
+        linking = within(one.module, "llvmlite") and name(path).startswith("solvers/native/")
+        assert within(one.module, "numpy", "numba", "solvers") or linking, one
 
 
 @pytest.mark.parametrize("path", files("poisson_cli/editing"), ids=name)

@@ -16,7 +16,7 @@ RED, BLACK = 0, 1
 
 # Interpolation makes the coarse correction this much larger.  Piecewise constant restriction leaves it a few percent
 # too small for smooth errors: 1.04 lowers the convergence factor of F-cycles from 0.102 to 0.092 on a disk, from 0.22
-# to 0.14 where one corner alone is known, and is never worse (``python -m benchmarks convergence``).
+# to 0.14 where one corner alone is known; F- and W-cycles gain on every shape (``python -m benchmarks convergence``).
 OVERCORRECTION = 1.04
 NEAR, FAR = np.float32(0.75 * OVERCORRECTION), np.float32(0.25 * OVERCORRECTION)
 

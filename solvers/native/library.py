@@ -1,0 +1,260 @@
+"""The kernels of a package as one library: declared here, compiled and loaded when the first of them is called."""
+
+import ctypes
+import functools
+import importlib
+import os
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from time import perf_counter
+from types import FunctionType, ModuleType
+from typing import TYPE_CHECKING, Any, Literal, get_args
+
+from solvers.native.signature import Signature
+
+if TYPE_CHECKING:
+    from solvers.native.store import Shelf
+
+Mode = Literal["native", "numba", "python"]
+
+MODE_VARIABLE = "POISSON_KERNELS"
+
+# Flags of a numpy array that compiled code relies on: C-contiguous, aligned.
+_PLAIN = 0x0001 | 0x0100
+
+
+def mode() -> Mode:
+    """What `POISSON_KERNELS` asks for; raises ValueError if there is no such way."""
+    asked = os.environ.get(MODE_VARIABLE, "") or "native"
+    for known in get_args(Mode):
+        if asked == known:
+            return known  # type: ignore[no-any-return]
+    raise ValueError(f"{MODE_VARIABLE} is {asked!r}, but must be one of {', '.join(get_args(Mode))}")
+
+
+class Library:
+    """All kernels of a package.
+
+    Parameters
+    ----------
+    modules : sequence of str
+        Full names of the modules that hold kernels; none calls a kernel of another.
+    ingredients : sequence of str
+        Further modules whose source the compiled code depends on.
+    signatures : mapping
+        Function name -> signatures of the entry points: what Python calls.  See `solvers.native.signature`.
+    options : mapping
+        For numba's ``njit``.
+    home : str
+        The module that holds this object under the name ``library``.
+
+    Attributes
+    ----------
+    listener : callable or None
+        Told when the library has to be compiled: called with None before, with the seconds it took afterwards.
+    helpers : bool
+        Whether compiling may start further Python processes; a program that is more than `python` may not want that.
+    trouble : str or None
+        Why the kernels had to be left to plain numba.
+    unkept : str or None
+        Why what was compiled could not be kept for later processes.
+    """
+
+    def __init__(
+        self,
+        modules: Sequence[str],
+        ingredients: Sequence[str],
+        signatures: Mapping[str, Sequence[str]],
+        options: Mapping[str, Any],
+        home: str,
+    ) -> None:
+        self.home = home
+        self.helpers = False
+        self.modules = tuple(modules)
+        self.ingredients = tuple(ingredients)
+        self.signatures = {
+            name: tuple(Signature.of(text) for text in texts) for name, texts in signatures.items()
+        }
+        self.options = dict(options)
+        self.listener: Callable[[float | None], None] | None = None
+        self.trouble: str | None = None
+        self.unkept: str | None = None
+        self._addresses: dict[str, int] | None = None
+        self._twins: dict[str, ModuleType] = {}
+        self._lock = threading.RLock()
+
+    def jit(self, **options: Any) -> Callable[[Callable[..., Any]], Any]:
+        """Decorator of every function that is to be compiled: an entry point becomes a `Kernel`.
+
+        Parameters
+        ----------
+        **options
+            For numba, beside those of the library.
+        """
+
+        def declare(function: Callable[..., Any]) -> Any:
+            assert isinstance(function, FunctionType)
+            function.__dict__["compiled"] = {**self.options, **options}  # what `twin` looks for
+            signatures = self.signatures.get(function.__name__)
+            if signatures is None:
+                return function
+            # A kernel that was changed, and its signature not yet, is left to numba.
+            fitting = [s for s in signatures if len(s.arguments) == function.__code__.co_argcount]
+            return Kernel(self, function, tuple(fitting))
+
+        return declare
+
+    def kernels(self) -> "list[Kernel]":
+        """All entry points, in the order of their modules."""
+        found = []
+        for name in self.modules:
+            found += [v for v in vars(importlib.import_module(name)).values() if isinstance(v, Kernel)]
+        return found
+
+    def symbols(self) -> list[str]:
+        """Names of all compiled entry points."""
+        return [kernel.symbol(k) for kernel in self.kernels() for k in range(len(kernel.signatures))]
+
+    def addresses(self) -> dict[str, int]:
+        """Addresses of the compiled entry points by symbol; empty if they cannot be had.  Compiles where it must."""
+        with self._lock:
+            if self._addresses is None:
+                try:
+                    self._addresses = self._load()
+                except Exception as error:
+                    self.trouble = f"{type(error).__name__}: {error}"
+                    self._addresses = {}
+            return self._addresses
+
+    def _load(self) -> dict[str, int]:
+        from solvers.native import loading, store
+
+        loading.check_process()
+        symbols = self.symbols()
+        shelf = self.shelf()
+        found = shelf.read()
+        if found is not None:
+            try:
+                return loading.load(store.unpacked_list(found), symbols)
+            except (loading.LoadError, ValueError):
+                pass  # whole, but not what was expected: compile it anew
+        with shelf.locked():
+            # Another process may have been faster.
+            again = shelf.read()
+            if again is not None and again != found:
+                return loading.load(store.unpacked_list(again), symbols)
+            start = perf_counter()
+            self._tell(None)
+            from solvers.native import building
+
+            objects = building.build(self)
+            if not shelf.write(store.packed_list(objects)):
+                self.unkept = shelf.trouble
+            self._tell(perf_counter() - start)
+        return loading.load(objects, symbols)
+
+    def shelf(self) -> "Shelf":
+        """Where the compiled library is kept, or will be."""
+        from solvers.native import loading, store
+
+        return store.Shelf(store.key_of(self, loading.host()))
+
+    def _tell(self, seconds: float | None) -> None:
+        if self.listener is not None:
+            self.listener(seconds)
+
+    def dispatcher(self, kernel: "Kernel") -> Callable[..., Any]:
+        """The kernel as plain numba compiles it."""
+        from solvers.native import twin
+
+        with self._lock:
+            module = kernel.__module__
+            if module not in self._twins:
+                self._twins[module] = twin.dispatchers(module, cache=True)
+            found: Callable[..., Any] = getattr(self._twins[module], kernel.__name__)
+            return found
+
+
+class Kernel:
+    """An entry point: a function that Python calls and a compiler compiles.
+
+    A call goes to the compiled code whose signature the arguments have.  Arguments that were not foreseen (another
+    dtype, a strided array) are left to numba, which compiles for them; `plain` is the function as it was written.
+    """
+
+    __name__: str
+
+    def __init__(self, library: Library, function: FunctionType, signatures: tuple[Signature, ...]) -> None:
+        functools.update_wrapper(self, function)
+        self.library = library
+        self.plain = function
+        self.signatures = signatures
+        self._variants: list[Callable[..., Any]] | None = None
+        self._other: Callable[..., Any] | None = None
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Run it."""
+        variants = self._variants
+        if variants is None:
+            variants = self._resolve()
+        for variant in variants:
+            result = variant(*arguments)
+            if result is not NotImplemented:
+                return result
+        if self._other is None:
+            self._other = self.plain if mode() == "python" else self.library.dispatcher(self)
+        return self._other(*arguments)
+
+    def symbol(self, k: int) -> str:
+        """Name of the k-th signature's compiled code."""
+        return f"poisson_{self.__module__.replace('.', '_')}_{self.__name__}_{k}"
+
+    def _resolve(self) -> list[Callable[..., Any]]:
+        addresses = self.library.addresses() if mode() == "native" else {}
+        found = [(k, signature) for k, signature in enumerate(self.signatures) if self.symbol(k) in addresses]
+        self._variants = [_variant(signature, addresses[self.symbol(k)]) for k, signature in found]
+        return self._variants
+
+
+def _variant(signature: Signature, address: int) -> Callable[..., Any]:
+    """A function that calls compiled code, or returns `NotImplemented` if the arguments are not of its signature.
+
+    A check per argument in a loop would cost more than a short kernel: the function is written out for its signature.
+    """
+    import numpy as np
+
+    types = [kind.ctype for kind in signature.arguments]
+    several = len(signature.results) > 1
+    result = signature.results[0].ctype if len(signature.results) == 1 else None
+    code = ctypes.CFUNCTYPE(result, *types, *([ctypes.c_void_p] if several else []))(address)
+    scope: dict[str, Any] = {"code": code, "address": ctypes.addressof}
+    names, checks, values = [], [], []
+    for i, kind in enumerate(signature.arguments):
+        name = f"a{i}"
+        names.append(name)
+        if kind.ndim:
+            scope[f"dtype{i}"] = np.dtype(kind.dtype)
+            checks.append(
+                f"{name}.dtype is dtype{i} and {name}.ndim == {kind.ndim} and {name}.flags.num & {_PLAIN} == {_PLAIN}"
+            )
+        values.append(name if kind.ndim else f"{_SCALARS[kind.dtype[0]]}({name})")
+    lines = [
+        f"def call({', '.join(names)}):",
+        f"    if not ({' and '.join(checks)}):",
+        "        return NotImplemented",
+    ]
+    if several:
+        scope["buffer"] = signature.results[0].ctype * len(signature.results)
+        lines += [
+            "    results = buffer()",
+            f"    code({', '.join(values)}, address(results))",
+            "    return tuple(results)",
+        ]
+    else:
+        lines.append(f"    return code({', '.join(values)})")
+    exec("\n".join(lines), scope)
+    call: Callable[..., Any] = scope["call"]
+    return call
+
+
+_SCALARS = {"b": "bool", "i": "int", "f": "float"}

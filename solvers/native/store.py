@@ -1,0 +1,245 @@
+"""Where compiled kernels are kept: files that only their owner could have written.
+
+A file's name is the hash of everything that its content was made from and for; its head is the hash of its content.
+The first keeps it from being used for anything else, the second finds damage.  Neither stops someone who may write the
+file: so a folder or a file that another user owns (the system's administrator excepted) or may write to is left alone.
+"""
+
+import contextlib
+import hashlib
+import importlib.util
+import os
+import secrets
+import stat
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from time import monotonic, sleep
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from solvers.native.library import Library
+
+FOLDER_VARIABLE = "POISSON_CACHE_DIR"
+ENDING = ".kernels"
+_MAGIC = b"poisson kernels 1\n"
+_DIGEST = hashlib.sha256().digest_size
+
+# Settings of numba that change what it generates.
+_SETTINGS = (
+    "NUMBA_OPT",
+    "NUMBA_CPU_NAME",
+    "NUMBA_CPU_FEATURES",
+    "NUMBA_LOOP_VECTORIZE",
+    "NUMBA_SLP_VECTORIZE",
+)
+
+PATIENCE = 120.0  # seconds to wait for another process that compiles, before doing it oneself
+
+
+class Refused(Exception):
+    """A folder that cannot be used, and why."""
+
+
+def folder() -> Path:
+    """The user's cache folder for compiled kernels; it need not exist."""
+    if chosen := os.environ.get(FOLDER_VARIABLE):
+        return Path(chosen)
+    home = Path(os.path.expanduser("~"))
+    if sys.platform == "darwin":
+        return home / "Library" / "Caches" / "poisson"
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", home / "AppData" / "Local")) / "poisson" / "Cache"
+    base = os.environ.get("XDG_CACHE_HOME", "")
+    return (Path(base) if os.path.isabs(base) else home / ".cache") / "poisson"
+
+
+def key_of(library: "Library", host: str) -> str:
+    """The hash of all that the library's object code depends on: sources, compilers, machine."""
+    digest = hashlib.sha256()
+
+    def add(part: bytes) -> None:
+        digest.update(b"%d:" % len(part) + part)
+
+    this_package = __name__.rpartition(".")[0]
+    package_files = sorted(Path(_origin(this_package)).parent.glob("*.py"))
+    for path in [*package_files, *(Path(_origin(name)) for name in (*library.modules, *library.ingredients))]:
+        add(path.read_bytes())
+    add(numba_version())
+    add(host.encode())
+    add(sys.implementation.cache_tag.encode() if sys.implementation.cache_tag else b"")
+    for variable in _SETTINGS:
+        add(os.environ.get(variable, "").encode())
+    return digest.hexdigest()
+
+
+def numba_version() -> bytes:
+    """What tells numba's version without importing it, nor the metadata of all packages, which take 20 ms."""
+    spec = importlib.util.find_spec("numba")
+    if spec is not None and spec.submodule_search_locations:
+        with contextlib.suppress(OSError):
+            return Path(spec.submodule_search_locations[0], "_version.py").read_bytes()
+    from importlib.metadata import version
+
+    return version("numba").encode()
+
+
+def _origin(module: str) -> str:
+    spec = importlib.util.find_spec(module)
+    if spec is None or spec.origin is None:
+        raise Refused(f"no source of {module}")
+    return spec.origin
+
+
+class Shelf:
+    """The place of one compiled library.
+
+    Parameters
+    ----------
+    key : str
+        From `key_of`.
+
+    Attributes
+    ----------
+    path : Path
+    trouble : str or None
+        Why it was not read or written.
+    """
+
+    def __init__(self, key: str, place: Path | None = None) -> None:
+        self.path = (folder() if place is None else place) / f"{key}{ENDING}"
+        self.trouble: str | None = None
+
+    def read(self) -> bytes | None:
+        """What lies there; None if nothing does, or nothing that can be trusted."""
+        try:
+            _check_safe(os.stat(self.path.parent), self.path.parent)
+            descriptor = os.open(
+                self.path, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
+            )
+        except FileNotFoundError:
+            return None
+        except (OSError, Refused) as error:
+            self.trouble = str(error)
+            return None
+        with open(descriptor, "rb") as file:
+            try:
+                status = os.fstat(descriptor)
+                if not stat.S_ISREG(status.st_mode):
+                    raise Refused(f"{self.path} is not a file")
+                _check_safe(status, self.path)
+                return unpacked(file.read())
+            except (OSError, Refused) as error:
+                self.trouble = str(error)
+                return None
+
+    def write(self, content: bytes) -> bool:
+        """Put it there, whole or not at all; returns whether it is there now."""
+        temporary = self.path.with_name(f".{self.path.stem[:16]}-{secrets.token_hex(8)}.tmp")
+        try:
+            self._make_folder()
+            descriptor = os.open(
+                temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o600
+            )
+            try:
+                with open(descriptor, "wb") as file:
+                    file.write(packed(content))
+                os.replace(temporary, self.path)
+            except BaseException:
+                with contextlib.suppress(OSError):
+                    os.unlink(temporary)
+                raise
+        except (OSError, Refused) as error:
+            self.trouble = str(error)
+            return False
+        return True
+
+    @contextmanager
+    def locked(self) -> Iterator[None]:
+        """Keeps other processes from doing the same work at the same time, as far as the system helps.
+
+        The lock goes with the process that holds it, so nobody waits for a dead one, and nobody waits for ever.
+        """
+        descriptor = self._lock_file()
+        if descriptor is None:
+            yield
+            return
+        try:
+            yield
+        finally:
+            os.close(descriptor)
+
+    def _lock_file(self) -> int | None:
+        try:
+            import fcntl
+        except ImportError:
+            return None
+        try:
+            self._make_folder()
+            flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW
+            descriptor = os.open(self.path.parent / ".lock", flags, 0o600)
+        except (OSError, Refused):
+            return None
+        end = monotonic() + PATIENCE
+        while True:
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                return descriptor
+            except BlockingIOError:
+                if monotonic() > end:
+                    break
+                sleep(0.02)
+            except OSError:
+                break
+        os.close(descriptor)
+        return None
+
+    def _make_folder(self) -> None:
+        place = self.path.parent
+        if not place.is_dir():
+            place.parent.mkdir(parents=True, exist_ok=True)
+            with contextlib.suppress(FileExistsError):
+                place.mkdir(mode=0o700)
+        _check_safe(os.stat(place), place)
+
+
+def packed_list(parts: Sequence[bytes]) -> bytes:
+    """Several byte strings as one."""
+    return b"".join(len(part).to_bytes(8, "little") + part for part in parts)
+
+
+def unpacked_list(data: bytes) -> list[bytes]:
+    """What `packed_list` was given; raises ValueError if that is not what this is."""
+    parts = []
+    at = 0
+    while at < len(data):
+        end = at + 8 + int.from_bytes(data[at : at + 8], "little")
+        if end > len(data):
+            raise ValueError("cut short")
+        parts.append(data[at + 8 : end])
+        at = end
+    return parts
+
+
+def packed(content: bytes) -> bytes:
+    """Content with its head."""
+    return _MAGIC + hashlib.sha256(content).digest() + content
+
+
+def unpacked(data: bytes) -> bytes:
+    """Content without its head; raises `Refused` if it is damaged."""
+    content = data[len(_MAGIC) + _DIGEST :]
+    if data[: len(data) - len(content)] != _MAGIC + hashlib.sha256(content).digest():
+        raise Refused("a damaged file")
+    return content
+
+
+def _check_safe(status: os.stat_result, path: Any) -> None:
+    """Raises `Refused` if someone else could have put this there."""
+    if not hasattr(os, "geteuid"):
+        return  # Windows: the user's own folder is closed to others by default
+    if status.st_uid not in (os.geteuid(), 0):
+        raise Refused(f"{path} belongs to another user")
+    if stat.S_IMODE(status.st_mode) & 0o022:
+        raise Refused(f"{path} can be written to by others")

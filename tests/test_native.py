@@ -1,0 +1,316 @@
+"""Compiled kernels on disk: declared, compiled, stored and loaded, and what happens where one of these fails."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from solvers.kernels import policy
+from solvers.native import store
+from solvers.native.signature import Kind, Signature
+from tests import tiny_kernels
+
+ROOT = Path(__file__).resolve().parent.parent
+
+PROBE = """
+import sys
+import numpy as np
+from tests import tiny_kernels as tiny
+heard = []
+tiny.library.listener = heard.append
+values = np.linspace(-1, 7, 21, dtype=np.float32).reshape(3, 7)
+out = np.empty(3, np.float32)
+last = tiny.scale(out, values, 0.7)
+out8 = np.empty(3)
+last8 = tiny.scale(out8, values.astype(np.float64), 0.7)
+roots = np.empty(6)
+tiny.flatten(roots, np.arange(12.0).reshape(2, 2, 3), 1)
+low, high = tiny.extremes(values[1])
+flags = bool(tiny.every(np.ones(4, np.bool_), True)), bool(tiny.every(np.ones(4, np.bool_), False))
+strided = np.zeros((3, 14), np.float32)[:, ::2]
+strided[:] = values
+out_strided = np.empty(3, np.float32)
+if len(sys.argv) > 1:
+    tiny.scale(out_strided, strided, np.float32(0.7))
+numbers = (np.float32(last), np.float64(last8), np.float32(low), np.float32(high))
+print(b"".join(a.tobytes() for a in (out, out8, roots, *numbers)).hex(), *flags)
+print(out_strided.tobytes() == out.tobytes(), "numba" in sys.modules, len(heard), tiny.library.trouble, sep="|")
+"""
+
+
+def probe(place: Path, *words: str, kernels: str = "native") -> tuple[str, list[str]]:
+    """Runs the tiny kernels in a process of their own: their results, and how they were had."""
+    environment = {**os.environ, "POISSON_CACHE_DIR": str(place), "POISSON_KERNELS": kernels}
+    environment.pop("NUMBA_DISABLE_JIT", None)
+    ran = subprocess.run(
+        [sys.executable, "-c", PROBE, *words], capture_output=True, text=True, env=environment, cwd=ROOT
+    )
+    assert ran.returncode == 0, ran.stderr
+    results, how = ran.stdout.splitlines()
+    return results, how.split("|")
+
+
+def stored(place: Path) -> list[Path]:
+    return sorted(place.glob(f"*{store.ENDING}"))
+
+
+@pytest.fixture(scope="module")
+def warm(tmp_path_factory):
+    """A folder that holds the compiled tiny kernels, and their results."""
+    place = tmp_path_factory.mktemp("cache") / "poisson"
+    results, how = probe(place)
+    assert how[1:] == ["True", "2", "None"]  # compiled: numba was imported, and it was said before and after
+    return place, results
+
+
+def test_later_processes_load_without_numba(warm):
+    place, results = warm
+    assert len(stored(place)) == 1
+    again, how = probe(place)
+    assert again == results
+    assert how[1:] == ["False", "0", "None"]
+
+
+@pytest.mark.parametrize("kernels", ["numba", "python"])
+def test_the_other_ways_give_the_same_bits(warm, kernels, tmp_path):
+    _, results = warm
+    again, how = probe(tmp_path / "none", "strided", kernels=kernels)
+    assert again == results
+    assert how == ["True", str(kernels == "numba"), "0", "None"]
+    assert not (tmp_path / "none").exists()
+
+
+def test_unforeseen_arguments_are_left_to_numba(warm):
+    place, results = warm
+    again, how = probe(place, "strided")
+    assert again == results
+    assert how == ["True", "True", "0", "None"]
+
+
+def test_an_unknown_way_is_refused(tmp_path):
+    with pytest.raises(
+        AssertionError, match="POISSON_KERNELS is 'fast', but must be one of native, numba, python"
+    ):
+        probe(tmp_path, kernels="fast")
+
+
+@pytest.mark.parametrize("damage", ["cut", "bit", "empty", "longer"])
+def test_a_damaged_file_is_compiled_anew(warm, damage, tmp_path):
+    place, results = warm
+    original = stored(place)[0]
+    data = original.read_bytes()
+    flipped = bytearray(data)
+    flipped[len(data) // 2] ^= 1
+    broken = {"cut": data[:-9], "bit": bytes(flipped), "empty": b"", "longer": data + b"\0"}[damage]
+    other = tmp_path / "poisson"
+    other.mkdir(mode=0o700)
+    copy = other / original.name
+    copy.write_bytes(broken)
+    copy.chmod(0o600)
+    again, how = probe(other, "strided")  # numba itself still works after that
+    assert again == results
+    assert how[0] == "True"
+    assert how[1:] == ["True", "2", "None"]
+    assert store.Shelf(copy.stem, other).read() is not None
+
+
+def test_a_whole_file_of_something_else_is_compiled_anew(warm, tmp_path):
+    place, results = warm
+    other = tmp_path / "poisson"
+    shelf = store.Shelf(stored(place)[0].stem, other)
+    assert shelf.write(b"something else")
+    again, how = probe(other)
+    assert again == results
+    assert how[1:] == ["True", "2", "None"]
+
+
+def test_many_processes_at_once_on_an_empty_cache(warm, tmp_path):
+    _, results = warm
+    place = tmp_path / "poisson"
+    environment = {**os.environ, "POISSON_CACHE_DIR": str(place), "POISSON_KERNELS": "native"}
+    running = [
+        subprocess.Popen(
+            [sys.executable, "-c", PROBE],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            env=environment,
+            cwd=ROOT,
+        )
+        for _ in range(20)
+    ]
+    answers = [process.communicate() for process in running]
+    assert all(process.returncode == 0 for process in running), answers
+    lines = [out.decode().splitlines() for out, _ in answers]
+    assert {first for first, _ in lines} == {results}
+    assert sum("|True|2|" in second for _, second in lines) == 1  # one compiled, the others waited
+    assert len(stored(place)) == 1
+    assert not list(place.glob("*.tmp"))
+
+
+def test_where_nothing_can_be_written_it_works_all_the_same(warm, tmp_path):
+    _, results = warm
+    blocked = tmp_path / "file"
+    blocked.write_text("not a folder")
+    again, how = probe(blocked / "poisson")
+    assert again == results
+    assert how[1:] == ["True", "2", "None"]
+
+
+def test_a_folder_open_to_others_is_neither_read_nor_written(warm, tmp_path):
+    place, results = warm
+    other = tmp_path / "poisson"
+    other.mkdir()
+    copy = other / stored(place)[0].name
+    copy.write_bytes(stored(place)[0].read_bytes())
+    copy.chmod(0o600)
+    other.chmod(0o777)
+    shelf = store.Shelf(copy.stem, other)
+    assert shelf.read() is None
+    assert "can be written to by others" in str(shelf.trouble)
+    assert not shelf.write(b"new")
+    again, how = probe(other)
+    assert again == results
+    assert how[1:] == ["True", "2", "None"]
+
+
+def test_a_file_open_to_others_is_not_read(tmp_path):
+    shelf = store.Shelf("key", tmp_path / "poisson")
+    assert shelf.write(b"content")
+    assert shelf.read() == b"content"
+    shelf.path.chmod(0o620)
+    assert shelf.read() is None
+    assert "can be written to by others" in str(shelf.trouble)
+
+
+def test_a_link_is_not_followed(tmp_path):
+    shelf = store.Shelf("key", tmp_path / "poisson")
+    assert shelf.write(b"content")
+    real = shelf.path.rename(tmp_path / "elsewhere")
+    shelf.path.symlink_to(real)
+    assert shelf.read() is None
+    assert shelf.trouble is not None
+
+
+def test_what_another_user_owns_is_not_read(tmp_path, monkeypatch):
+    shelf = store.Shelf("key", tmp_path / "poisson")
+    assert shelf.write(b"content")
+    owner = shelf.path.stat().st_uid
+    real_stat, real_fstat = os.stat, os.fstat
+
+    def foreign(status):
+        return os.stat_result((*status[:4], owner + 1234, *status[5:]))
+
+    with monkeypatch.context() as patched:
+        patched.setattr(store.os, "stat", lambda path, **how: foreign(real_stat(path, **how)))
+        assert shelf.read() is None
+        assert "belongs to another user" in str(shelf.trouble)
+        assert not shelf.write(b"new")
+    with monkeypatch.context() as patched:
+        patched.setattr(store.os, "fstat", lambda descriptor: foreign(real_fstat(descriptor)))
+        assert shelf.read() is None
+        assert "belongs to another user" in str(shelf.trouble)
+    assert shelf.read() == b"content"
+
+
+def test_the_folder_is_the_users_alone(tmp_path):
+    place = tmp_path / "a" / "poisson"
+    assert store.Shelf("key", place).write(b"content")
+    assert place.stat().st_mode & 0o777 == 0o700
+    assert (place / f"key{store.ENDING}").stat().st_mode & 0o777 == 0o600
+
+
+def test_the_place(monkeypatch, tmp_path):
+    monkeypatch.setenv("POISSON_CACHE_DIR", str(tmp_path))
+    assert store.folder() == tmp_path
+    monkeypatch.delenv("POISSON_CACHE_DIR")
+    monkeypatch.setattr(store.sys, "platform", "linux")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "xdg"))
+    assert store.folder() == tmp_path / "xdg" / "poisson"
+    monkeypatch.setenv("XDG_CACHE_HOME", "relative")  # which the standard says to ignore
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert store.folder() == tmp_path / ".cache" / "poisson"
+
+
+def test_the_key_knows_sources_compilers_machine_and_settings(monkeypatch, tmp_path):
+    library = tiny_kernels.library
+    key = store.key_of(library, "machine")
+    assert key == store.key_of(library, "machine")
+    keys = {key, store.key_of(library, "another machine")}
+    with monkeypatch.context() as patched:
+        patched.setattr(store, "numba_version", lambda: b"another")
+        keys.add(store.key_of(library, "machine"))
+    with monkeypatch.context() as patched:
+        patched.setenv("NUMBA_CPU_NAME", "generic")
+        keys.add(store.key_of(library, "machine"))
+    changed = tmp_path / "tiny_kernels.py"
+    changed.write_bytes(Path(tiny_kernels.__file__).read_bytes() + b"\n")
+    real = store._origin
+    with monkeypatch.context() as patched:
+        patched.setattr(
+            store, "_origin", lambda name: str(changed) if name == "tests.tiny_kernels" else real(name)
+        )
+        keys.add(store.key_of(library, "machine"))
+    assert len(keys) == 5
+
+
+def test_numbas_version_is_told_without_importing_it():
+    import numba
+
+    assert numba.__version__.encode() in store.numba_version()
+
+
+def test_lists_of_bytes():
+    parts = [b"", b"abc", b"\0" * 300]
+    assert store.unpacked_list(store.packed_list(parts)) == parts
+    with pytest.raises(ValueError, match="cut short"):
+        store.unpacked_list(store.packed_list(parts)[:-1])
+
+
+def test_signatures():
+    signature = Signature.of("f4[:], i8[:,:], b1[:,:,:], f8 -> i4, i4")
+    assert signature.arguments == (Kind("f4", 1), Kind("i8", 2), Kind("b1", 3), Kind("f8", 0))
+    assert signature.results == (Kind("i4", 0), Kind("i4", 0))
+    assert Signature.of("i8").results == ()
+    for wrong in ("f2[:]", "f4[]", "f4[:] -> f4[:]", "f4 -> i4, i8"):
+        with pytest.raises(ValueError, match=r"no type|one kind"):
+            Signature.of(wrong)
+
+
+def test_every_entry_point_of_the_solvers_is_declared_as_it_is():
+    """A kernel whose parameters change is left to numba until its signature follows: that is slow, not wrong."""
+    declared = {kernel.__name__: len(kernel.signatures) for kernel in policy.library.kernels()}
+    assert declared == {name: len(texts) for name, texts in policy.ENTRY_POINTS.items()}
+
+
+SOLVE = """
+import sys, hashlib
+import numpy as np
+from poisson_cli import editing
+random = np.random.default_rng(3)
+source, destination = random.integers(0, 256, (2, 24, 29, 3), np.uint8)
+mask = np.zeros((24, 29), np.bool_)
+mask[3:20, 4:25] = True
+mask[8:11, 9] = False
+ways = {}, {"solver": "sor"}, {"cycle": "W"}
+images = [editing.clone(destination, source, mask, **options).image for options in ways]
+images.append(editing.fill(destination / 255, mask).image)
+destination, source = (destination / 255).astype(np.float32), (source / 255).astype(np.float32)
+images.append(editing.clone(destination, source, mask).image)
+numba = "numba" in sys.modules
+print(*(hashlib.sha256(image.tobytes()).hexdigest() for image in images), numba)
+"""
+
+
+def test_the_solvers_give_the_same_bits_from_every_way():
+    answers = {}
+    for kernels in ("native", "native", "numba", "python"):  # the first one may have to compile
+        environment = {**os.environ, "POISSON_KERNELS": kernels}
+        ran = subprocess.run(
+            [sys.executable, "-c", SOLVE], capture_output=True, text=True, env=environment, cwd=ROOT
+        )
+        assert ran.returncode == 0, ran.stderr
+        answers[kernels] = ran.stdout.split()
+    assert answers["native"][:-1] == answers["numba"][:-1] == answers["python"][:-1]
+    assert [answers[kernels][-1] for kernels in ("native", "numba", "python")] == ["False", "True", "False"]
