@@ -79,8 +79,6 @@ def solve_multigrid(
         raise OptionError(f"cycle is {cycle!r}, but must be one of {', '.join(CYCLES)}")
     tolerance = check_tolerance(tolerance)
     max_iterations = check_iterations(max_iterations, MAX_CYCLES)
-    if threads is not None and threads < 1:
-        raise OptionError(f"threads is {threads}, but must be at least 1")
 
     with borrowed_arena() as arena, Team(threads, problem.unknowns * problem.channels) as team:
         correction = Correction.of(problem, arena)
@@ -109,14 +107,17 @@ def solve_multigrid(
             gain=max(STAGE_GAIN, 2 * floor),
             progress=progress,
         )
-        if certify:
-            precise = correction.solution(np.float64)
-            bound = proven_error(problem, precise, result.solution, propose(threads))
-            result = replace(result, error_bound=bound)
-        return result
+        return certified(result, correction, threads) if certify else result
 
 
-def propose(threads: int | None) -> Solver:
+def certified(result: SolveResult, correction: Correction, threads: int | None) -> SolveResult:
+    """The result with a proven bound of its error; `correction` is what it was made of."""
+    precise = correction.solution(np.float64)
+    bound = proven_error(correction.problem, precise, result.solution, _propose(threads))
+    return replace(result, error_bound=bound)
+
+
+def _propose(threads: int | None) -> Solver:
     """A solver for `proven_error`."""
 
     def solution(problem: PoissonProblem, cycles: int) -> Values:

@@ -6,12 +6,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from solvers.certificate import proven_error
 from solvers.correction import Correction
 from solvers.kernels.cycle import BLACK, RED, relax_over
 from solvers.layout import Float32
 from solvers.memory import borrowed_arena
-from solvers.multigrid import propose
+from solvers.multigrid import certified
 from solvers.problem import OptionError, PoissonProblem
 from solvers.refinement import solve_in_stages
 from solvers.result import Progress, SolveResult
@@ -88,8 +87,6 @@ def solve_sor(
         raise OptionError(f"omega is {omega}, but must lie between 0 and 2")
     tolerance = check_tolerance(tolerance)
     max_iterations = check_iterations(max_iterations, MAX_SWEEPS)
-    if threads is not None and threads < 1:
-        raise OptionError(f"threads is {threads}, but must be at least 1")
 
     with borrowed_arena() as arena, Team(threads, problem.unknowns * problem.channels) as team:
         correction = Correction.of(problem, arena)
@@ -139,11 +136,7 @@ def solve_sor(
             progress=progress,
         )
         result = replace(result, advice=_advice(result.iterations, problem.unknowns * channels))
-        if certify:
-            precise = correction.solution(np.float64)
-            bound = proven_error(problem, precise, result.solution, propose(threads))
-            result = replace(result, error_bound=bound)
-        return result
+        return certified(result, correction, threads) if certify else result
 
 
 def _calls(segments: NDArray[np.int64], channels: int, team: Team) -> list[list[Band]]:

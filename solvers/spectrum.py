@@ -34,7 +34,7 @@ def smallest_eigenvalue(hierarchy: Hierarchy, team: Team) -> float:
     size = field_size(h.table, 1)
     x, b = aligned_zeros(size), aligned_zeros(size)
     v, image = x[: h.finest_size], b[: h.finest_size]
-    cycling = Cycling(h, "F", 1, Team(1, 0))
+    cycling = Cycling(h, "F", 1, team)
     v[:] = h.weight[: h.finest_size] > 0
     scratch64 = np.empty(h.longest_segment)
     eigenvalue = 1.0

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from solvers.problem import OptionError
+
 if TYPE_CHECKING:
     from concurrent.futures import ThreadPoolExecutor
 
@@ -34,9 +36,16 @@ class Team:
     ----------
     threads : int or None
         None: as many as there are cores if `values`, the size of the problem, makes that pay, else 1.
+
+    Raises
+    ------
+    OptionError
+        If there is to be no thread.
     """
 
     def __init__(self, threads: int | None, values: int) -> None:
+        if threads is not None and threads < 1:
+            raise OptionError(f"threads is {threads}, but must be at least 1")
         if threads is None:
             threads = available_cores() if values >= 4 * WORTH_SHARING else 1
         self.threads = threads

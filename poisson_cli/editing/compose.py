@@ -95,7 +95,7 @@ def compose(
     """
     start = perf_counter()
     window = Window(destination, placement, source, field)
-    mismatch = None if source is None else window.boundary_mismatch()
+    mismatch = window.boundary_mismatch()
     window.seconds["guidance"] = perf_counter() - start
     problem = PoissonProblem.on_canvas(placement.region, window, level=tone.level(destination.dtype))
     result = solve(problem, **options)

@@ -5,7 +5,6 @@ makes an object that can be loaded where there is no numba.
 """
 
 import gc
-import os
 import re
 import subprocess
 import sys
@@ -24,6 +23,7 @@ from solvers.native.library import Kernel, Library
 from solvers.native.loading import ARRAY_DATA, ARRAY_SHAPE, FROM_THE_PROCESS, target_machine
 from solvers.native.signature import Kind, Signature
 from solvers.native.store import packed_list, unpacked_list
+from solvers.team import available_cores
 
 numba: Any = real_numba  # not all that it offers has types
 types = numba.types
@@ -73,11 +73,6 @@ def build(library: Library) -> list[bytes]:
         except ValueError:  # it failed: so may we, and then say why
             objects |= {name: build_module(library, name) for name in share}
     return [objects[name] for name in library.modules]
-
-
-def available_cores() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _start_helper(library: Library, modules: Sequence[str]) -> "subprocess.Popen[bytes]":
