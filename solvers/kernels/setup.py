@@ -356,7 +356,7 @@ def screen_region(mass, weight, diagonal, segments, table, screening):
     for quarter in range(4):
         for k in range(segments.shape[0]):
             at, n = quarter * size + segments[k, 0], segments[k, 1] - segments[k, 0]
-            m, w, d = mass[at : at + n], weight[at : at + n], diagonal[at : at + n]
+            m, w = mass[at : at + n], weight[at : at + n]
             for i in range(n):
                 m[i] = screening if w[i] > 0 else np.float32(0.0)
     add_mass(weight, diagonal, mass, segments, table, 0)
