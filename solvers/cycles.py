@@ -87,31 +87,30 @@ class Cycling:
     def _plan(self, cycle: Cycle) -> list[list[NDArray[np.int64]]]:
         """The calls of a cycle: of each, the steps for every thread that takes part."""
         table = self.hierarchy.table
-        first = table[:-1, FIRST_SEGMENT]
-        end = table[1:, FIRST_SEGMENT]
+        first = table[:-1, FIRST_SEGMENT].tolist()
+        end = table[1:, FIRST_SEGMENT].tolist()
         phases = [_phases(self.hierarchy, level, self.team) for level in range(self.n_large)]
         calls: list[list[NDArray[np.int64]]] = []
-        together: list[NDArray[np.int64]] = []  # steps on small levels
+        together: list[list[int]] = []  # steps on small levels
         for step, level in walk(cycle, 0, self.hierarchy.n_levels - 1):
             if level >= self.n_large:
-                together.append(_whole(step, level, int(first[level]), int(end[level])))
+                together.append(_whole(step, level, first[level], end[level]))
                 continue
             if together:
-                calls.append([np.array(together)])
+                calls.append([np.array(together, np.int64)])
                 together = []
             calls.extend(phases[level][step])
-        return [*calls, [np.array(together)]] if together else calls
+        return [*calls, [np.array(together, np.int64)]] if together else calls
 
 
 # Values (unknowns times channels) from which a level is visited by itself even by a single thread: some 20 ms.
 LONG_VISIT = 10_000_000
 
 
-def _whole(step: int, level: int, first: int, end: int) -> NDArray[np.int64]:
+def _whole(step: int, level: int, first: int, end: int) -> list[int]:
     """A step on a whole level, for `kernels.cycle.run_steps`."""
     up, down = step == UP, step == DOWN
-    ranges = [first, end if up else first, first, end, first, end, first, end if down else first]
-    return np.array([step, level, *ranges], np.int64)
+    return [step, level, first, end if up else first, first, end, first, end, first, end if down else first]
 
 
 def _phases(hierarchy: Hierarchy, level: int, team: Team) -> dict[int, list[list[NDArray[np.int64]]]]:
