@@ -83,6 +83,39 @@ def test_what_is_no_positive_number(text):
         params.POSITIVE.convert(text, None, None)
 
 
+@pytest.mark.parametrize(("text", "number"), [("-30", -30.0), ("0", 0.0), ("1e2", 100.0)])
+def test_numbers(text, number):
+    assert params.NUMBER.convert(text, None, None) == number
+
+
+@pytest.mark.parametrize("text", ["nan", "inf", "-inf", "", "warm", "1,5"])
+def test_what_is_no_number(text):
+    with pytest.raises(click.BadParameter, match=f"'{text}' is not a number$"):
+        params.NUMBER.convert(text, None, None)
+
+
+@pytest.mark.parametrize(("text", "number"), [("0", 0.0), ("1.5", 1.5)])
+def test_numbers_that_are_not_negative(text, number):
+    assert params.NOT_NEGATIVE.convert(text, None, None) == number
+
+
+@pytest.mark.parametrize("text", ["nan", "inf", "-0.1", ""])
+def test_what_is_negative_or_no_number(text):
+    with pytest.raises(click.BadParameter, match="is not a number, 0 or greater"):
+        params.NOT_NEGATIVE.convert(text, None, None)
+
+
+def test_factors():
+    assert params.FACTORS.convert("1.5,.5, 0", None, None) == (1.5, 0.5, 0.0)
+    assert params.FACTORS.convert((1.0, 2.0, 3.0), None, None) == (1.0, 2.0, 3.0)
+
+
+@pytest.mark.parametrize("text", ["", "1", "1,2", "1,2,3,4", "1,-1,1", "1,nan,1", "red,1,1", "1;1;1"])
+def test_what_are_no_factors(text):
+    with pytest.raises(click.BadParameter, match="is not R,G,B: three numbers, 0 or more"):
+        params.FACTORS.convert(text, None, None)
+
+
 @pytest.mark.parametrize(("text", "number"), [("1", 1), ("255", 255), ("+12", 12)])
 def test_whole_numbers(text, number):
     assert params.EIGHT_BIT.convert(text, None, None) == number
