@@ -1,6 +1,5 @@
 """The one pipeline behind every tool: crop, guidance, problem, solve, paste."""
 
-from dataclasses import dataclass
 from time import perf_counter
 from typing import Any, Unpack
 
@@ -10,67 +9,10 @@ from poisson_cli.editing import tone
 from poisson_cli.editing.guidance import Field
 from poisson_cli.editing.layers import Layer
 from poisson_cli.editing.placement import Placement
+from poisson_cli.editing.report import Edit, EditReport
 from poisson_cli.editing.solving import SolverOptions, solve
 from poisson_cli.editing.window import Window
 from solvers import PoissonProblem
-
-
-@dataclass(frozen=True)
-class EditReport:
-    """What an edit did.
-
-    Attributes
-    ----------
-    tool : str
-    rectangle : (row, column, height, width)
-        Omega's bounding box on the destination.
-    unknowns : int
-        Pixels of Omega.
-    solver, cycle : str, str or None
-        What was asked for; ``method`` says what was done, which differs where a cycle stalled.
-    method : str
-    iterations : int
-        Cycles or sweeps.
-    tolerance, error_estimate : float
-        Largest error allowed and estimated in any pixel, in levels.
-    floating : bool
-        True if no pixel was known, so that the mean of the first guess was kept.
-    boundary_mismatch : tuple of float or None
-        Per channel, the mean of |f* - g| over the boundary, in levels; None where no boundary pixel has a source.
-    clipped : int
-        Values that left the range of the picture and were clipped.
-    seconds : dict
-        Seconds per stage: guidance, solve, paste.
-    error_bound : float or None
-        Proven upper bound of the error in any pixel, before values were rounded to integers, in levels; None unless
-        it was asked for (`certify`).
-    advice : str or None
-        A choice that would have been far faster.
-    """
-
-    tool: str
-    rectangle: tuple[int, int, int, int]
-    unknowns: int
-    solver: str
-    cycle: str | None
-    method: str
-    iterations: int
-    tolerance: float
-    error_estimate: float
-    floating: bool
-    boundary_mismatch: tuple[float, ...] | None
-    clipped: int
-    seconds: dict[str, float]
-    error_bound: float | None = None
-    advice: str | None = None
-
-
-@dataclass(frozen=True)
-class Edit:
-    """The edited picture, of the destination's shape and dtype, and the report."""
-
-    image: NDArray[Any]
-    report: EditReport
 
 
 def compose(
