@@ -1,8 +1,10 @@
 """The truth for the tools that edit one picture: section 4 of the paper, its conclusion, and what it points to.
 
-Written from the equations alone, on top of `oracles`; the conventions are the same.  A transform takes a guidance
-field, a pair (across, down), and gives another.  Where the paper leaves a choice open, the docstring says what was
-taken; the tool's own docstring says why.
+Written from the equations alone, on top of `oracles`; the conventions are the same.  Where the paper leaves a choice
+open, the tools' docstrings say what was chosen and why; it is written down once more here, from those words.
+
+What section 4 does to a guidance field is to multiply it, by one factor for each pixel pair: a transform is made of
+two arrays of factors, one for pairs across and one for pairs down.
 """
 
 from typing import Any
@@ -11,21 +13,19 @@ import numpy as np
 
 from tests import oracles
 from tests.oracles import Array, Field, Transform
+from tests.oracles_spaces import lab_of_srgb, srgb_of_lab
 
-# --- transforms of a guidance field -----------------------------------------------------------------
+# --- factors on pixel pairs -------------------------------------------------------------------------
 
 
-def sieve(edges: Array) -> Transform:
-    """Eq. (15): v_pq is kept where an edge lies between p and q: where one of the two is an edge pixel."""
-    edge = np.asarray(edges) != 0
+def times(factors: Field) -> Transform:
+    """The transform that multiplies v_pq, in every channel, by the pair's factor."""
 
     def transform(field: Field) -> Field:
-        across, down = (v.copy() for v in field)
-        for row in range(edge.shape[0]):
-            for col in range(edge.shape[1]):
-                for v, (r, c) in ((across, (row, col + 1)), (down, (row + 1, col))):
-                    if r < edge.shape[0] and c < edge.shape[1] and not (edge[row, col] or edge[r, c]):
-                        v[row, col] = 0
+        across, down = (
+            v * (factor if factor.ndim == v.ndim else factor[..., None])
+            for v, factor in zip(field, factors, strict=True)
+        )
         return across, down
 
     return transform
@@ -34,6 +34,74 @@ def sieve(edges: Array) -> Transform:
 def scale(amount: float) -> Transform:
     """The conclusion's change of sharpness: every gradient times `amount`."""
     return lambda field: (amount * field[0], amount * field[1])
+
+
+def sieve(edges: Array) -> Field:
+    """Eq. (15): 1 where an edge lies between p and q, which is where one of the two is an edge pixel; 0 elsewhere."""
+    edge = np.asarray(edges) != 0
+    across, down = edge[:, :-1] | edge[:, 1:], edge[:-1] | edge[1:]
+    return across.astype(float), down.astype(float)
+
+
+def attenuation(
+    logarithm: Array, region: Array, *, alpha: float, beta: float, norms: Field | None = None
+) -> Field:
+    """Eq. (16): a^beta |grad L|^-beta, with a = alpha times the mean of |grad L| over the pairs that touch Omega.
+
+    `logarithm` is L, (H, W) or (H, W, C), each channel with an a of its own.  Where |grad L| = 0 so is v, and the
+    factor may be anything.
+    """
+    across, down = norms or pair_norms(logarithm)
+    touches = (region[:, :-1] | region[:, 1:], region[:-1] | region[1:])
+    a = alpha * np.concatenate([across[touches[0]], down[touches[1]]]).mean(axis=0)
+
+    def factor(norm: Array) -> Array:
+        return np.where(norm > 0, a / np.where(norm > 0, norm, 1), 1) ** beta
+
+    return factor(across), factor(down)
+
+
+def pair_norms_by_loops(picture: Array) -> Field:
+    """|grad f| on every pixel pair: of its own difference and the mean of those across it at both of its ends."""
+    height, width = picture.shape[:2]
+    across, down = (
+        np.zeros((height, width - 1, *picture.shape[2:])),
+        np.zeros((height - 1, width, *picture.shape[2:])),
+    )
+    for row in range(height):
+        for col in range(width):
+            for norm, step, side in ((across, (0, 1), (1, 0)), (down, (1, 0), (0, 1))):
+                if row + step[0] >= height or col + step[1] >= width:
+                    continue
+                beside = []
+                for r, c in ((row, col), (row + step[0], col + step[1])):
+                    for before, after in (
+                        ((r - side[0], c - side[1]), (r, c)),
+                        ((r, c), (r + side[0], c + side[1])),
+                    ):
+                        if min(before) >= 0 and after[0] < height and after[1] < width:
+                            beside.append(picture[after] - picture[before])
+                along = picture[row + step[0], col + step[1]] - picture[row, col]
+                norm[row, col] = np.hypot(along, np.mean(beside, axis=0) if beside else 0)
+    return across, down
+
+
+def pair_norms(picture: Array) -> Field:
+    """The same as `pair_norms_by_loops`, from slices."""
+
+    def mean_beside(differences: Array) -> Array:
+        """The mean of the differences between rows that both pixels of a pair along a row take part in."""
+        total = np.zeros((2, differences.shape[0] + 1, *differences.shape[1:]))
+        for rows in (slice(None, -1), slice(1, None)):
+            total[0, rows] += differences
+            total[1, rows] += 1
+        both = total[:, :, :-1] + total[:, :, 1:]
+        return both[0] / np.maximum(both[1], 1)
+
+    down = np.hypot(
+        np.diff(picture, axis=0), np.swapaxes(mean_beside(np.diff(np.swapaxes(picture, 0, 1), axis=0)), 0, 1)
+    )
+    return np.hypot(np.diff(picture, axis=1), mean_beside(np.diff(picture, axis=0))), down
 
 
 # --- section 4 --------------------------------------------------------------------------------------
@@ -46,19 +114,86 @@ def own(image: Array, mask: Array, **variant: Any) -> Array:
 
 def flatten(image: Array, mask: Array, *, edges: Array, **variant: Any) -> Array:
     """Texture flattening, eqs. (14)-(15)."""
-    return own(image, mask, then=[sieve(edges)], **variant)
+    return own(image, mask, then=[times(sieve(edges))], **variant)
 
 
-def decolored(image: Array, mask: Array, *, source: Array | None = None, **variant: Any) -> Array:
-    """Fig. 11, centre: f* is the luminance of the picture, g the picture, or `source` where it was recoloured too.
+def relight(
+    image: Array,
+    mask: Array,
+    *,
+    alpha: float = 0.2,
+    beta: float = 0.2,
+    per_channel: bool = False,
+    space: str = "rgb",
+) -> Array:
+    """Local illumination changes, eq. (16) on the log luminance: all channels are multiplied by exp(new L - L).
 
-    Stored values, so a destination of integers is rounded before it is cloned into.
+    With `per_channel`, on the log of each channel, which it is multiplied by.
     """
+    region, full = np.asarray(mask) != 0, oracles.full_scale(image.dtype)
+    values = oracles.working(image, full, space)
+    logarithm = log_values(image, space, full) if per_channel else log_luminance(image, space, full)
+    factors = attenuation(logarithm, region, alpha=alpha, beta=beta)
+    field = times(factors)(oracles.guidance(oracles.imported, logarithm, logarithm))
+    gain = np.exp(oracles.solve(region, logarithm, *field) - logarithm)
+    edited = image.astype(np.float64)
+    gain = gain if gain.ndim == values.ndim else gain[..., None]
+    edited[region] = oracles.restored((values * gain)[region], full, space)
+    return edited
+
+
+def half_a_level(full: float, space: str) -> float:
+    """The luminance of a grey of 1/510 of full scale: below it, a logarithm stands still."""
+    grey = oracles.working(np.full((1, 1, 3), full / 510), full, space)
+    return float(grey[0, 0, 0])
+
+
+def log_values(picture: Array, space: str, full: float) -> Array:
+    """The log of each channel."""
+    return np.log(np.maximum(oracles.working(picture, full, space), half_a_level(full, space)))
+
+
+def log_luminance(picture: Array, space: str, full: float) -> Array:
+    """(H, W): the log of Y of the values that the equations are solved in; of L* in Lab."""
+    values = oracles.working(picture, full, space)
+    if values.ndim == 3:
+        channels = values.shape[2]
+        values = values[..., 0] if space == "lab" or channels == 1 else oracles.grey(values)
+    return np.log(np.maximum(values, half_a_level(full, space)))
+
+
+def recolor(
+    image: Array,
+    mask: Array,
+    *,
+    gain: tuple[float, float, float] = (1.0, 1.0, 1.0),
+    hue: float = 0.0,
+    saturation: float = 1.0,
+    decolor_background: bool = False,
+    **variant: Any,
+) -> Array:
+    """Local colour changes, Fig. 11: a recoloured copy cloned into the picture, or into its luminance.
+
+    The luminance is what the picture's type can store: rounded, if it has integers.
+    """
+    source = recolored(image, gain, hue, saturation)
+    if not decolor_background:
+        return oracles.clone(image, source, mask, **variant)
     grey = oracles.grey(image)
     if np.issubdtype(image.dtype, np.integer):
         grey = np.rint(grey)
-    destination = np.repeat(grey[..., None], 3, axis=2).astype(image.dtype)
-    return oracles.clone(destination, image if source is None else source, mask, **variant)
+    return oracles.clone(np.repeat(grey[..., None], 3, axis=2).astype(image.dtype), source, mask, **variant)
+
+
+def recolored(image: Array, gain: tuple[float, float, float], hue: float, saturation: float) -> Array:
+    """The copy, float64: channels multiplied, then turned by `hue` degrees in Lab and its chroma multiplied."""
+    copy = image * np.array(gain, float)
+    if (hue, saturation) == (0, 1):
+        return copy
+    full = oracles.full_scale(image.dtype)
+    lab = lab_of_srgb(copy / full)
+    turned = saturation * np.exp(1j * np.deg2rad(hue)) * (lab[..., 1] + 1j * lab[..., 2])
+    return full * srgb_of_lab(np.stack([lab[..., 0], turned.real, turned.imag], axis=-1))
 
 
 def tile(
@@ -67,20 +202,29 @@ def tile(
     """Seamless tiling of a rectangle (row, column, height, width), Fig. 12; the result is as large as it.
 
     Along `axis` "x" the left and the right side become their mean, and nothing is known on the other two; "y" the
-    other way round.  With "both" all four sides are known, and a corner is the mean of the four.
+    other way round.  With "both" all four sides are known, and a corner is the mean of the four.  The means are of the
+    values that the equations are solved in, and known as the picture's type can store them.
     """
     row, col, height, width = rect or (0, 0, *image.shape[:2])
     full = oracles.full_scale(image.dtype)
-    g = oracles.working(image[row : row + height, col : col + width], full, space)
-    f, region = g.copy(), np.ones((height, width), bool)
+    picture = image[row : row + height, col : col + width]
+    g = oracles.working(picture, full, space)
+    mean, region = g.copy(), np.ones((height, width), bool)
     if axis in ("x", "both"):
-        f[:, 0] = f[:, -1] = (f[:, 0] + f[:, -1]) / 2
+        mean[:, 0] = mean[:, -1] = (mean[:, 0] + mean[:, -1]) / 2
         region[:, [0, -1]] = False
     if axis in ("y", "both"):
-        f[0] = f[-1] = (f[0] + f[-1]) / 2
+        mean[0] = mean[-1] = (mean[0] + mean[-1]) / 2
         region[[0, -1]] = False
-    solution = oracles.solve(region, f, *oracles.guidance(oracles.imported, g, g))
-    return oracles.restored(solution, full, space)
+    sides = oracles.restored(mean, full, space)
+    if np.issubdtype(image.dtype, np.integer):
+        sides = oracles.stored(sides, image.dtype).astype(float)
+    f = oracles.working(sides, full, space)
+    solution = oracles.restored(
+        oracles.solve(region, f, *oracles.guidance(oracles.imported, g, g)), full, space
+    )
+    solution[~region] = sides[~region]
+    return solution
 
 
 # --- the conclusion, and what the paper points to ---------------------------------------------------

@@ -108,9 +108,40 @@ def test_a_screen_lets_the_mismatch_decay_from_the_rim():
 def test_a_sieve_keeps_pairs_that_touch_an_edge_pixel():
     edges = np.zeros((3, 4), int)
     edges[1, 2] = 7
-    across, down = oracles_tools.sieve(edges)((np.ones((3, 3)), np.ones((2, 4))))
+    across, down = oracles_tools.sieve(edges)
     np.testing.assert_array_equal(across, [[0, 0, 0], [0, 1, 1], [0, 0, 0]])
     np.testing.assert_array_equal(down, [[0, 0, 1, 0], [0, 0, 1, 0]])
+
+
+@pytest.mark.parametrize("size", [(9, 12, 3), (7, 8), (1, 6), (6, 1), (2, 2), (1, 1), (2, 5, 1)], ids=str)
+def test_both_norms_agree(size):
+    picture = np.random.default_rng(1).normal(size=size)
+    for fast, slow in zip(
+        oracles_tools.pair_norms(picture), oracles_tools.pair_norms_by_loops(picture), strict=True
+    ):
+        np.testing.assert_allclose(fast, slow, atol=1e-14)
+
+
+@pytest.mark.parametrize("norms", [oracles_tools.pair_norms, oracles_tools.pair_norms_by_loops])
+def test_the_norm_of_a_slope_is_the_same_on_every_pair(norms):
+    row, col = np.mgrid[:7, :9]
+    across, down = norms(3.0 * row - 4.0 * col)
+    np.testing.assert_allclose(across, np.full((7, 8), 5))
+    np.testing.assert_allclose(down, np.full((6, 9), 5))
+
+
+def test_attenuation_by_hand():
+    """Gradients of 4 and of 1 on a line, all in the region: their mean is 2, and a quarter of it is 1/2."""
+    logarithm = np.array([[0.0, 4, 5, 6]])
+    across, _ = oracles_tools.attenuation(logarithm, np.ones((1, 4), bool), alpha=0.25, beta=0.5)
+    np.testing.assert_allclose(across, [[(0.5 / 4) ** 0.5, 0.5**0.5, 0.5**0.5]])
+
+
+def test_a_gradient_that_is_as_large_as_a_stays():
+    row, _ = np.mgrid[:9, :9]
+    logarithm = 0.1 * row
+    for factor in oracles_tools.attenuation(logarithm, disk(9, 9), alpha=1, beta=0.7):
+        np.testing.assert_allclose(factor, 1)
 
 
 @pytest.mark.parametrize("shape", ["lasso", "noise", "edge_touching"])
@@ -149,16 +180,62 @@ def test_healing_takes_the_pixels_at_the_offset():
 
 def test_a_background_without_colour_is_grey_and_rounded():
     picture, mask = crop("coffee.png", *SMALL, top=150), lasso(*SMALL)
-    exact = oracles_tools.decolored(picture, mask)
+    exact = oracles_tools.recolor(picture, mask, decolor_background=True)
     np.testing.assert_array_equal(exact[~mask], np.rint(oracles.grey(picture))[~mask][:, None].repeat(3, 1))
     assert np.abs(exact[mask] - picture[mask]).max() > 1
 
 
+def test_recolouring_turns_and_stretches_in_lab():
+    picture = crop("coffee.png", *SMALL, top=150)
+    before = color.rgb2lab(picture)
+    after = color.rgb2lab(oracles_tools.recolored(picture / 255, (1, 1, 1), 90, 0.5))
+    np.testing.assert_allclose(after[..., 0], before[..., 0], atol=0.1)
+    np.testing.assert_allclose(after[..., 1], -before[..., 2] / 2, atol=0.1)
+    np.testing.assert_allclose(after[..., 2], before[..., 1] / 2, atol=0.1)
+
+
+def test_recolouring_by_nothing_is_the_picture():
+    picture, mask = crop("coffee.png", *SMALL, top=150), lasso(*SMALL)
+    np.testing.assert_allclose(oracles_tools.recolor(picture, mask), picture, atol=1e-9)
+    np.testing.assert_allclose(oracles_tools.recolored(picture, (1, 1, 1), 360, 1), picture, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("space", "per_channel"),
+    [("rgb", False), ("linear", False), ("lab", False), ("rgb", True), ("linear", True)],
+)
+def test_relighting(space, per_channel):
+    """Nothing at beta = 0, also where the picture is black; a weaker contrast above it; colours keep their ratios."""
+    picture, mask = crop("coffee.png", *SMALL, top=150).copy(), lasso(*SMALL)
+    picture[10:13, 12:15] = 0
+    same = oracles_tools.relight(picture, mask, beta=0, per_channel=per_channel, space=space)
+    np.testing.assert_allclose(same, picture, atol=1e-9)
+    exact = oracles_tools.relight(picture, mask, per_channel=per_channel, space=space)
+    np.testing.assert_array_equal(exact[~mask], picture[~mask])
+    np.testing.assert_allclose(exact[10:13, 12:15], 0, atol=1e-9)
+    assert np.abs(exact - picture).max() > 2
+    if space == "rgb" and not per_channel:
+        colourful = mask & (picture.min(-1) > 0)
+        ratio = exact[colourful] / picture[colourful]
+        np.testing.assert_allclose(ratio[:, 1:], ratio[:, :1].repeat(2, 1), rtol=1e-9)
+
+
+def test_relighting_by_hand():
+    """One unknown among four equal neighbours a step s of the log away: its norms are all s, and alpha is 1."""
+    picture = np.full((3, 3), 100.0)
+    picture[1, 1] = 50
+    mask = np.zeros((3, 3), bool)
+    mask[1, 1] = True
+    np.testing.assert_allclose(oracles_tools.relight(picture / 255, mask, alpha=1, beta=0.3) * 255, picture)
+    halfway = oracles_tools.relight(picture / 255, mask, alpha=0.25, beta=0.5) * 255
+    np.testing.assert_allclose(halfway[1, 1], 100 * np.sqrt(0.5))
+
+
 @pytest.mark.parametrize("axis", ["x", "y", "both"])
 def test_tiled_sides_are_equal_and_corners_the_mean_of_four(axis):
-    picture = crop("coffee.png", 30, 40, top=150)
+    picture = crop("coffee.png", 30, 40, top=150) / 255
     exact = oracles_tools.tile(picture, rect=(4, 5, 20, 24), axis=axis)
-    g = picture[4:24, 5:29].astype(float)
+    g = picture[4:24, 5:29]
     assert exact.shape == g.shape
     if axis != "y":
         np.testing.assert_array_equal(exact[:, 0], exact[:, -1])
@@ -174,6 +251,13 @@ def test_a_ramp_that_is_tiled_along_x_is_level():
     ramp = np.tile(np.arange(9.0), (4, 1))
     exact = oracles_tools.tile(ramp, axis="x")
     np.testing.assert_allclose(exact, np.full((4, 9), 4.0), atol=1e-12)
+
+
+def test_sides_of_integers_are_integers():
+    picture = crop("coffee.png", 30, 40, top=150)
+    exact = oracles_tools.tile(picture, space="linear")
+    np.testing.assert_array_equal(exact[0], np.rint(exact[0]))
+    assert np.abs(exact[0] - (picture[0] / 2 + picture[-1] / 2)).max() > 1  # a mean of light, not of values
 
 
 def test_what_repeats_already_stays():
