@@ -6,7 +6,8 @@ import pytest
 import poisson_cli
 from tests.golden import Stored, all_cases
 from tests.golden.__main__ import main
-from tests.golden.case import read_png, write_png
+from tests.golden.case import ORACLES, read_png, write_png
+from tests.oracles_spaces import SPACES
 from tests.photographs import crop
 from tests.regions import lasso
 
@@ -17,7 +18,7 @@ every_case = pytest.mark.parametrize("folder", all_cases(), ids=lambda folder: f
 def test_golden(folder, tmp_path):
     stored = Stored.load(folder)
     case = stored.case
-    stored.check(getattr(poisson_cli, case.tool)(*case.pictures, case.mask, **case.arguments), tmp_path)
+    stored.check(case.given_to(getattr(poisson_cli, case.tool)), tmp_path)
 
 
 @every_case
@@ -33,8 +34,12 @@ def test_a_case_is_small(folder):
     assert sum(path.stat().st_size for path in folder.iterdir()) < 40_000
 
 
-def test_there_are_cases():
-    assert len(all_cases()) >= 8
+def test_every_tool_has_a_case_in_every_space():
+    cases = {
+        (case.tool, case.arguments.get("space", "rgb"))
+        for case in (Stored.load(folder).case for folder in all_cases())
+    }
+    assert cases == {(tool, space) for tool in ORACLES for space in SPACES}
 
 
 # --- the harness ------------------------------------------------------------------------------------
