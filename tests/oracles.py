@@ -307,6 +307,7 @@ def edit(
     space: str = "rgb",
     then: Iterable[Transform] = (),
     screen: float = 0.0,
+    robust: bool = False,
     by_loops: bool = False,
 ) -> Array:
     """One edit from pictures to a picture, float64 in the units of the destination, which it is outside the region.
@@ -321,6 +322,8 @@ def edit(
         What is done to the guidance of `rule` before it is integrated, in this order.
     screen
         The pull towards the source, see `solve`.
+    robust
+        Solve for boundary values whose mismatch was `winsorised`; in rgb, with the source under all of the boundary.
     """
     scale = full_scale(destination.dtype)
     if source.ndim < destination.ndim:
@@ -329,11 +332,38 @@ def edit(
     field = (guidance_by_loops if by_loops else guidance)(rule, f, g, offset)
     for transform in then:
         field = transform(field)
-    towards = placed(g, offset, region.shape, np.nan) if screen else None
+    towards = placed(g, offset, region.shape, np.nan) if screen or robust else None
+    if robust:
+        rim = boundary(region)
+        f = f.copy()
+        f[rim] = towards[rim] + winsorised(f[rim] - towards[rim], scale / 255)
     solution = solve(region, f, *field, screen=screen, towards=towards, by_loops=by_loops)
     edited = destination.astype(np.float64)
     edited[region] = restored(solution[region], scale, space)
     return edited
+
+
+def boundary(region: Array) -> Array:
+    """The known pixels that have an unknown neighbour."""
+    beside = np.zeros_like(region)
+    for row, col in np.argwhere(region):
+        for pixel in neighbours((row, col), region.shape):
+            beside[pixel] = True
+    return beside & ~region
+
+
+def winsorised(mismatch: Array, level: float) -> Array:
+    """Mismatches (n, C) with outliers drawn straight back towards the median, to where outliers begin.
+
+    That is three standard deviations from it in the worst of the channels, or one level if that is more; a standard
+    deviation is 1.4826 times the median distance from the median.
+    """
+    middle = np.median(mismatch, axis=0)
+    distance = np.abs(mismatch - middle)
+    limit = np.maximum(3 * 1.4826 * np.median(distance, axis=0), level)
+    return np.array(
+        [middle + (m - middle) / max(1.0, *(d / limit)) for m, d in zip(mismatch, distance, strict=True)]
+    )
 
 
 def working(picture: Array, scale: float, space: str) -> Array:

@@ -44,18 +44,25 @@ def sieve(edges: Array) -> Field:
 
 
 def attenuation(
-    logarithm: Array, region: Array, *, alpha: float, beta: float, norms: Field | None = None
+    logarithm: Array,
+    region: Array,
+    *,
+    alpha: float,
+    beta: float,
+    least: float = 0.0,
+    norms: Field | None = None,
 ) -> Field:
     """Eq. (16): a^beta |grad L|^-beta, with a = alpha times the mean of |grad L| over the pairs that touch Omega.
 
-    `logarithm` is L, (H, W) or (H, W, C), each channel with an a of its own.  Where |grad L| = 0 so is v, and the
-    factor may be anything.
+    `logarithm` is L, (H, W) or (H, W, C), each channel with an a of its own; norms given instead of it are |grad L|.
+    Norms below `least` times a count as that.  Where |grad L| = 0 so is v, and the factor may be anything.
     """
     across, down = norms or pair_norms(logarithm)
     touches = (region[:, :-1] | region[:, 1:], region[:-1] | region[1:])
     a = alpha * np.concatenate([across[touches[0]], down[touches[1]]]).mean(axis=0)
 
     def factor(norm: Array) -> Array:
+        norm = np.maximum(norm, least * a)
         return np.where(norm > 0, a / np.where(norm > 0, norm, 1), 1) ** beta
 
     return factor(across), factor(down)

@@ -102,6 +102,29 @@ def test_a_screen_lets_the_mismatch_decay_from_the_rim():
     np.testing.assert_allclose(mismatch[0, :20], 40 * factor ** np.arange(20), rtol=1e-9)
 
 
+# --- outliers of the boundary -----------------------------------------------------------------------
+
+
+def test_the_boundary_is_known_and_beside_the_region():
+    region = np.zeros((4, 5), bool)
+    region[1, 1:3] = True
+    expected = np.zeros((4, 5), int)
+    expected[0, 1:3] = expected[2, 1:3] = expected[1, [0, 3]] = 1
+    np.testing.assert_array_equal(oracles.boundary(region), expected)
+
+
+def test_winsorising_by_hand():
+    """Distances from the median, 10: 1, 0, 1, 0, 90; their median is 1, and outliers begin at 4.4478."""
+    mismatch = np.array([[9.0], [10], [11], [10], [100]])
+    np.testing.assert_allclose(oracles.winsorised(mismatch, 1.0).ravel(), [9, 10, 11, 10, 14.4478])
+    np.testing.assert_allclose(oracles.winsorised(mismatch, 20.0).ravel(), [9, 10, 11, 10, 30])
+
+
+def test_winsorising_keeps_the_colour_of_a_mismatch():
+    mismatch = np.array([[0.0, 0], [1, 1], [-1, -1], [0, 0], [40, 80]])
+    np.testing.assert_allclose(oracles.winsorised(mismatch, 1.0)[-1], [0.5 * 4.4478, 4.4478])
+
+
 # --- transforms and the tools made of them ----------------------------------------------------------
 
 

@@ -182,6 +182,30 @@ def test_a_screened_clone_in_linear_light_that_hangs_over(offset, screen):
     assert_close(editing.clone(destination, source, mask, **options).image, destination, exact, region)
 
 
+@pytest.mark.parametrize("tool", ["clone", "mix"])
+@pytest.mark.parametrize("screen", [0.0, 0.01])
+@pytest.mark.parametrize("shape", ["lasso", "edge_touching", "islands"])
+def test_outliers_of_the_boundary_that_count_less(shape, screen, tool):
+    destination, source, mask = PICTURES["coffee"], PICTURES["rocket"], SHAPES[shape](*SIZE)
+    options = {"robust": True, "screen": screen}
+    exact = getattr(oracles, tool)(destination, source, mask, **options)
+    edit = getattr(editing, tool)(destination, source, mask, **options)
+    assert_close(edit.image, destination, exact, mask)
+    assert np.abs(exact - getattr(oracles, tool)(destination, source, mask, screen=screen)).max() > 5
+
+
+def test_the_mismatch_and_its_outliers_are_reported():
+    destination, source, mask = PICTURES["coffee"], PICTURES["rocket"], lasso(*SIZE)
+    rim = oracles.boundary(mask)
+    mismatch = (destination.astype(float) - source)[rim]
+    outliers = (oracles.winsorised(mismatch, 1.0) != mismatch).any(axis=1)
+    for robust in (False, True):
+        report = editing.clone(destination, source, mask, robust=robust).report
+        np.testing.assert_allclose(report.boundary_mismatch, np.abs(mismatch).mean(axis=0), rtol=1e-4)
+        assert report.outliers == pytest.approx(outliers.mean())
+    assert 0.005 < outliers.mean() < 0.5
+
+
 def norms_of(*sources: np.ndarray) -> oracles.Field:
     """|grad L| of the pictures that gradients come from: of several the largest."""
     norms = [oracles_tools.pair_norms(oracles_tools.log_luminance(s, "rgb", 255.0)) for s in sources]
@@ -190,7 +214,9 @@ def norms_of(*sources: np.ndarray) -> oracles.Field:
 
 def attenuated(region: np.ndarray, *sources: np.ndarray, alpha: float, beta: float) -> oracles.Transform:
     unused = np.empty(0)
-    factors = oracles_tools.attenuation(unused, region, alpha=alpha, beta=beta, norms=norms_of(*sources))
+    factors = oracles_tools.attenuation(
+        unused, region, alpha=alpha, beta=beta, least=0.1, norms=norms_of(*sources)
+    )
     return oracles_tools.times(factors)
 
 
