@@ -67,6 +67,50 @@ def test_a_case_that_was_added_passes(inputs):
     stored.check(edited, inputs)
 
 
+def test_a_case_with_edges_a_space_and_other_arguments(inputs):
+    write_png(inputs / "e.png", np.eye(30, 40, dtype=np.uint8) * 255)
+    files = [f"--{name}={inputs / name[0]}.png" for name in ("destination", "mask", "edges")]
+    main([f"--cases={inputs / 'cases'}", "add", "new", "flatten", "--space=lab", *files])
+    stored = Stored.load(inputs / "cases" / "new")
+    assert stored.case.arguments == {"space": "lab"}
+    assert np.count_nonzero(stored.case.edges) == 30
+    stored.check(stored.case.given_to(poisson_cli.flatten), inputs)
+
+
+def test_a_case_without_a_mask(inputs):
+    given = [f"--destination={inputs / 'd.png'}", "--set", "rect=[2, 3, 20, 30]", "--set", 'axis="x"']
+    main([f"--cases={inputs / 'cases'}", "add", "new", "tile", *given])
+    stored = Stored.load(inputs / "cases" / "new")
+    assert stored.case.mask is None and stored.case.arguments == {"rect": (2, 3, 20, 30), "axis": "x"}
+    assert stored.expected.shape == (20, 30, 3)
+    stored.check(stored.case.given_to(poisson_cli.tile), inputs)
+
+
+@pytest.mark.parametrize(
+    ("tool", "files"),
+    [
+        ("clone", ["destination", "mask"]),
+        ("focus", ["destination"]),
+        ("tile", ["destination", "mask"]),
+        ("flatten", ["destination", "mask"]),
+        ("focus", ["destination", "mask", "edges"]),
+    ],
+    ids=str,
+)
+def test_files_that_do_not_fit_the_tool_are_refused(inputs, tool, files):
+    write_png(inputs / "e.png", np.eye(30, 40, dtype=np.uint8) * 255)
+    with pytest.raises(SystemExit, match="--source|--mask|--edges"):
+        main(
+            [
+                f"--cases={inputs / 'cases'}",
+                "add",
+                "new",
+                tool,
+                *[f"--{f}={inputs / f[0]}.png" for f in files],
+            ]
+        )
+
+
 def test_adding_twice_is_refused(inputs):
     add(inputs, "mix")
     with pytest.raises(SystemExit, match="exists"):
