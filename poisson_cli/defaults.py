@@ -15,10 +15,10 @@ CYCLE: Final = "F"
 THRESHOLD: Final = 128
 """8-bit value from which a pixel of a mask picture is selected."""
 
-LOW: Final = 60
-HIGH: Final = 120
+LOW: Final = 6
+HIGH: Final = 12
 SIGMA: Final = 1
-"""Canny's thresholds, in eighths of a level per pixel, and the blur before it, in pixels; those of ``flatten``."""
+"""Canny's thresholds, in levels per pixel, and the blur before it, in pixels; those of ``flatten``."""
 
 ALPHA: Final = 0.2
 BETA: Final = 0.2

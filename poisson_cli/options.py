@@ -253,7 +253,7 @@ def _edge_options(picture: str) -> tuple[_Decorator, ...]:
             metavar="F",
             default=defaults.LOW,
             show_default=True,
-            help="An edge goes on while the contrast is above this, in eighths of a level per pixel (Canny's lower "
+            help="An edge goes on while the brightness changes by more than this, in levels per pixel (Canny's lower "
             "threshold).",
         ),
         click.option(
@@ -262,7 +262,7 @@ def _edge_options(picture: str) -> tuple[_Decorator, ...]:
             metavar="F",
             default=defaults.HIGH,
             show_default=True,
-            help="An edge needs this contrast somewhere: more leaves fewer edges.",
+            help="An edge changes by more than this somewhere: a larger number leaves fewer edges.",
         ),
         click.option(
             "--sigma",
@@ -270,7 +270,7 @@ def _edge_options(picture: str) -> tuple[_Decorator, ...]:
             metavar="PIXELS",
             default=defaults.SIGMA,
             show_default=True,
-            help="Blur before edges are sought: more finds larger shapes only; 0 is none.",
+            help="Blur before edges are sought: a larger number finds larger shapes only; 0 is none.",
         ),
         click.option(
             "--edges",

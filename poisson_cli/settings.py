@@ -109,7 +109,7 @@ class Edges:
     file
         Picture that is white on edges; None to find them.
     low, high, sigma
-        What Canny's detector finds them by: both thresholds, in eighths of a level per pixel, and the blur in pixels.
+        What Canny's detector finds them by: both thresholds, in levels per pixel, and the blur in pixels.
     show
         Where to write the edges that were used, white on black; None for nowhere. Of an import, those of the source.
     """

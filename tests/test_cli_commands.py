@@ -143,7 +143,7 @@ SCREENS = [([], {}), (["--screen", ".01"], {"screen": 0.01})]
 ROBUSTS = [([], {}), (["--robust"], {"robust": True})]
 EDGES = [
     ([], {}),
-    (["--low", "20", "--high", "40"], {"low": 20, "high": 40}),
+    (["--low", "2.5", "--high", "5"], {"low": 2.5, "high": 5}),
     (["--sigma", "2.5"], {"sigma": 2.5}),
     (["--edges", "edges.png"], {"edges": DESTINATION[:, :, 0] >= 128}),
 ]

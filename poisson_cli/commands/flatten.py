@@ -42,7 +42,7 @@ def command(
 
     \b
     Example: a face, white in face.png, with strong edges only:
-      poisson flatten portrait.jpg -m face.png --high 200 --show-edges edges.png -o out.png
+      poisson flatten portrait.jpg -m face.png --high 25 --show-edges edges.png -o out.png
     """
     from poisson_cli import attended
     from poisson_cli.job import Job
