@@ -8,7 +8,7 @@ import pytest
 
 from poisson_cli import editing, params
 from poisson_cli.editing.solving import solve
-from poisson_cli.settings import Placement, Rectangle, Selection, Solver
+from poisson_cli.settings import Edges, Placement, Rectangle, Relight, Selection, Solver, Then
 
 
 @pytest.mark.parametrize(
@@ -139,6 +139,40 @@ def test_settings_have_the_defaults_of_the_functions():
     for tool in (editing.clone, editing.mix):
         assert Placement().offset == default(tool, "offset")
         assert Placement().mask_on == default(tool, "mask_on")
+
+    for name in ("low", "high", "sigma"):
+        assert getattr(Edges(), name) == default(editing.find_edges, name) == default(editing.flatten, name)
+    assert Relight() == Relight(default(editing.relight, "alpha"), default(editing.relight, "beta"))
+    assert Relight() == Relight(editing.Attenuate().alpha, editing.Attenuate().beta)
+
+
+def then(*words: str) -> Then:
+    """What ``clone`` makes of its options for imported gradients."""
+    from poisson_cli import options
+
+    seen = []
+    command = click.Command("c", callback=options.then(lambda then: seen.append(then)), params=[])
+    command.params = list(reversed(command.callback.__click_params__))
+    command.main(list(words), standalone_mode=False)
+    return seen[0]
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ([], Then()),
+        (["--flatten"], Then(flatten=Edges())),
+        (["--focus", "0"], Then(focus=0.0)),
+        (["--relight", "--beta=-.1"], Then(relight=Relight(beta=-0.1))),
+        (
+            ["--relight", "--flatten", "--edges", "e.png", "--show-edges", "s.png", "--focus", "2"],
+            Then(Edges(file=Path("e.png"), show=Path("s.png")), 2.0, Relight()),
+        ),
+    ],
+    ids=str,
+)
+def test_what_is_done_to_imported_gradients(words, expected):
+    assert then(*words) == expected
 
 
 def test_options_have_the_defaults_of_the_settings():
