@@ -37,10 +37,10 @@ def tell(summary: Summary, reporting: Reporting) -> None:
     """
     if not reporting.quiet:
         _print(line(summary), sys.stderr)
+        if reporting.verbose:
+            _print(details(summary), sys.stderr)
         for hint in hints(summary):
             _print(f"poisson: hint: {hint}", sys.stderr)
-    if reporting.verbose:
-        _print(details(summary), sys.stderr)
     if reporting.json:
         _print(json.dumps(as_dict(summary)), sys.stdout)
 

@@ -84,7 +84,7 @@ def all_pairs(choices: dict[str, list]) -> list[dict]:
 PLACEMENTS = [
     ([], {}),
     (["--at", "-9,-6"], {"offset": (-6, -9)}),
-    (["--at=30,25"], {"offset": (25, 30)}),
+    (["--at=20,10"], {"offset": (10, 20)}),
 ]
 SELECTIONS = [
     (["-m", "{mask}"], {"SHAPES": ["mask"]}),
@@ -347,8 +347,9 @@ def test_quiet_says_nothing(folder, poisson):
 
 def test_verbose_says_more(folder, poisson):
     ran = poisson(*CLONE, "--at", "30,0", "-o", "out.png", "-v")
-    first, *rest = ran.err.splitlines()
+    first, *rest, hint = ran.err.splitlines()
     assert first.startswith("clone: ")
+    assert hint.startswith("poisson: hint: along the border")
     assert [text.split()[0] for text in rest] == [
         "selected",
         "mismatch",
