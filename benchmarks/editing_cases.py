@@ -18,7 +18,8 @@ from benchmarks.peers.opencv import cv2_box
 Array = np.ndarray[Any, Any]
 Call = Callable[[], Array]
 
-LOW, HIGH = 60.0, 120.0  # thresholds of Canny's detector, the same for both
+LOW, HIGH = 6.0, 12.0  # Canny's thresholds in levels per pixel
+SOBEL = 8.0  # OpenCV's own are so many times that
 GAIN = (1.5, 0.5, 0.5)  # the paper's, for red, green, blue
 OFFSET = (100, 100)  # where a patch for `heal` comes from, relative to the selection
 
@@ -119,7 +120,7 @@ def every(case: Case, cv2: ModuleType | None) -> Iterator[Row]:
         "recolor --decolor-background",
         lambda: poisson_cli.recolor(f, mask, decolor_background=True, **one),
         lambda: oracles_tools.recolor(f, mask, decolor_background=True),
-        oracles.stored(oracles.grey(f), np.uint8)[..., None].repeat(3, axis=2),
+        oracles_tools.stored_luminance(f),
         mask,
     )
     for space in ("linear", "lab"):
@@ -201,8 +202,8 @@ class OpenCV:
             self._cv2.textureFlattening(
                 self._destination,
                 self._mask.copy(),
-                low_threshold=LOW,
-                high_threshold=HIGH,
+                low_threshold=SOBEL * LOW,
+                high_threshold=SOBEL * HIGH,
                 kernel_size=3,
             )
         )

@@ -179,17 +179,23 @@ def recolor(
     decolor_background: bool = False,
     **variant: Any,
 ) -> Array:
-    """Local colour changes, Fig. 11: a recoloured copy cloned into the picture, or into its luminance.
-
-    The luminance is what the picture's type can store: rounded, if it has integers.
-    """
+    """Local colour changes, Fig. 11: a recoloured copy cloned into the picture, or into its luminance."""
     source = recolored(image, gain, hue, saturation)
-    if not decolor_background:
-        return oracles.clone(image, source, mask, **variant)
-    grey = oracles.grey(image)
+    return oracles.clone(stored_luminance(image) if decolor_background else image, source, mask, **variant)
+
+
+def stored_luminance(image: Array) -> Array:
+    """The luminance in three channels, as the picture's type stores it: of integers rounded, halves to even.
+
+    Ten thousand times the weights are integers, and their sum and its division by ten thousand are exact where the
+    result is a half.
+    """
     if np.issubdtype(image.dtype, np.integer):
-        grey = np.rint(grey)
-    return oracles.clone(np.repeat(grey[..., None], 3, axis=2).astype(image.dtype), source, mask, **variant)
+        weighted = image.astype(np.int64) @ np.rint(1e4 * np.array(oracles.LUMINANCE)).astype(np.int64)
+        grey = np.rint(weighted / 1e4)
+    else:
+        grey = oracles.grey(image)
+    return np.repeat(grey[..., None], 3, axis=2).astype(image.dtype)
 
 
 def recolored(image: Array, gain: tuple[float, float, float], hue: float, saturation: float) -> Array:

@@ -208,6 +208,17 @@ def test_a_background_without_colour_is_grey_and_rounded():
     assert np.abs(exact[mask] - picture[mask]).max() > 1
 
 
+def test_a_luminance_that_is_a_half_is_rounded_to_the_even_number():
+    """2126 R + 7152 G + 722 B = 10000 k + 5000, found by trying: k = 1, 3 and 4."""
+    colours = np.array([(r, g, b) for r in range(9) for g in range(9) for b in range(256)], np.uint8)
+    weighted = colours.astype(int) @ [2126, 7152, 722]
+    halves = colours[weighted % 10000 == 5000]
+    assert len(halves) >= 2
+    for colour in halves:
+        k = int(colour.astype(int) @ [2126, 7152, 722]) // 10000
+        assert (oracles_tools.stored_luminance(colour[None, None]) == k + k % 2).all()
+
+
 def test_recolouring_turns_and_stretches_in_lab():
     picture = crop("coffee.png", *SMALL, top=150)
     before = color.rgb2lab(picture)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from poisson_cli import editing
 from poisson_cli.editing.transforms import Attenuate, Scale, Sieve
-from tests import oracles
+from tests import oracles, oracles_tools
 from tests.agreement import assert_untouched
 from tests.photographs import crop
 from tests.regions import SHAPES, lasso
@@ -133,14 +133,21 @@ def test_outside_the_selection_not_a_bit_changes(tool, scene, space, dtype):
 def test_a_background_without_colour_is_the_luminance_exactly(space, dtype):
     picture, mask = of_depth(crop("coffee.png", 40, 50, top=150) / 255, dtype), lasso(40, 50)
     image = editing.recolor(picture, mask, decolor_background=True, space=space).image
-    grey = oracles.grey(picture)
-    assert image.dtype == dtype
-    outside = image[~mask]
-    np.testing.assert_array_equal(outside, outside[:, :1].repeat(3, axis=1))
+    expected = oracles_tools.stored_luminance(picture)
     if np.dtype(dtype).kind == "u":
-        np.testing.assert_array_equal(outside[:, 0], np.rint(grey[~mask]).astype(dtype))
+        assert_untouched(image, expected, mask)
     else:
-        np.testing.assert_allclose(outside[:, 0], grey[~mask], rtol=4 * np.finfo(dtype).eps)
+        np.testing.assert_array_equal(image[~mask][:, :2], image[~mask][:, 1:])
+        np.testing.assert_allclose(image[~mask], expected[~mask], rtol=4 * np.finfo(dtype).eps)
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+def test_the_luminance_of_every_colour_is_rounded_right(dtype):
+    colours = np.random.default_rng(0).integers(0, np.iinfo(dtype).max + 1, (600, 900, 3)).astype(dtype)
+    mask = np.zeros((600, 900), bool)
+    mask[0, 0] = True
+    image = editing.recolor(colours, mask, decolor_background=True).image
+    assert_untouched(image, oracles_tools.stored_luminance(colours), mask)
 
 
 @pytest.mark.parametrize("beta", [0.2, 0.9, -0.4])
