@@ -5,6 +5,9 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from poisson_cli.editing.solving import SolverOptions
+from solvers import SolveResult
+
 
 @dataclass(frozen=True)
 class EditReport:
@@ -82,3 +85,22 @@ class Edit:
 
     image: NDArray[Any]
     report: EditReport
+
+
+def report_on(tool: str, result: SolveResult, options: SolverOptions, **done: Any) -> EditReport:
+    """A report of what the solver says, of what it was asked for, and of what else was done."""
+    solver = options.get("solver", "multigrid")
+    return EditReport(
+        tool=tool,
+        unknowns=result.unknowns,
+        solver=solver,
+        cycle=options.get("cycle", "F") if solver == "multigrid" else None,
+        method=result.method,
+        iterations=result.iterations,
+        tolerance=result.tolerance,
+        error_estimate=result.error_estimate,
+        floating=result.floating,
+        error_bound=result.error_bound,
+        advice=result.advice,
+        **done,
+    )

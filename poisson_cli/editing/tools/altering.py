@@ -1,14 +1,24 @@
 """Section 4: a picture edited in place."""
 
+from dataclasses import replace
 from typing import Any, Unpack
 
+import numpy as np
 from numpy.typing import NDArray
 
-from poisson_cli.editing.edges import HIGH, LOW, SIGMA
+from poisson_cli.editing import colour, guidance, tone
+from poisson_cli.editing.attenuation import attenuating
+from poisson_cli.editing.compose import compose
+from poisson_cli.editing.edges import HIGH, LOW, SIGMA, find_edges
+from poisson_cli.editing.logarithm import LogChannels, LogLuminance
+from poisson_cli.editing.placement import place
+from poisson_cli.editing.recoloring import recoloring
 from poisson_cli.editing.report import Edit
+from poisson_cli.editing.scene import Scene
 from poisson_cli.editing.solving import SolverOptions
-from poisson_cli.editing.spaces import SpaceName
-from poisson_cli.editing.transforms import ALPHA, BETA
+from poisson_cli.editing.spaces import SpaceName, named
+from poisson_cli.editing.transforms import ALPHA, BETA, Scale, Sieve, Transform, check_edges
+from solvers.canvas import bands
 
 
 def flatten(
@@ -38,7 +48,15 @@ def flatten(
     rescale, space, **options
         See `clone`.
     """
-    raise NotImplementedError
+    scene = _scene(image, mask)
+    size = scene.destination.shape[:2]
+    if edges is None:
+        edges = find_edges(scene.destination, low=low, high=high, sigma=sigma)
+    edges = check_edges(edges, size, "image")
+    edit = _in_place("flatten", scene, Sieve(edges), rescale=rescale, space=space, **options)
+    placement = scene.placement
+    share = placement.on_destination(edges)[placement.region].mean()
+    return Edit(edit.image, replace(edit.report, edge_share=float(share)))
 
 
 def relight(
@@ -79,7 +97,11 @@ def relight(
     rescale, space, **options
         See `clone`.
     """
-    raise NotImplementedError
+    scene = _scene(image, mask)
+    domain = (LogChannels if per_channel else LogLuminance)(named(space, scene.destination.dtype))
+    logs = scene.layer("destination", domain)
+    attenuated = attenuating([logs], scene.placement.region, alpha=alpha, beta=beta)
+    return compose("relight", scene, guidance.own, domain, then=[attenuated], rescale=rescale, **options)
 
 
 def recolor(
@@ -117,7 +139,21 @@ def recolor(
     screen, rescale, space, **options
         See `clone`.
     """
-    raise NotImplementedError
+    scene = _scene(image, mask)
+    picture = scene.destination
+    tone.check_colours("image", 1 if picture.ndim == 2 else picture.shape[2])
+    if decolor_background:
+        picture = _luminance_of(picture)
+    look = recoloring(gain, hue, saturation, tone.FULL_SCALE[picture.dtype.type])
+    return compose(
+        "recolor",
+        Scene(picture, scene.placement, scene.destination, look),
+        guidance.imported,
+        named(space, picture.dtype),
+        screen=screen,
+        rescale=rescale,
+        **options,
+    )
 
 
 def focus(
@@ -141,4 +177,33 @@ def focus(
     rescale, space, **options
         See `clone`.
     """
-    raise NotImplementedError
+    return _in_place("focus", _scene(image, mask), Scale(amount), rescale=rescale, space=space, **options)
+
+
+def _scene(image: Any, mask: NDArray[Any]) -> Scene:
+    """A picture that is edited in place."""
+    image = tone.check_picture("image", image)
+    return Scene(image, place(image.shape, image.shape, mask))
+
+
+def _in_place(
+    tool: str,
+    scene: Scene,
+    transform: Transform,
+    *,
+    rescale: bool,
+    space: SpaceName,
+    **options: Unpack[SolverOptions],
+) -> Edit:
+    """The picture's own gradients, transformed."""
+    domain = named(space, scene.destination.dtype)
+    return compose(tool, scene, guidance.own, domain, then=[transform], rescale=rescale, **options)
+
+
+def _luminance_of(picture: NDArray[Any]) -> NDArray[Any]:
+    """The luminance in all three channels, as the picture's dtype stores it."""
+    grey = np.empty_like(picture)
+    for first, end in bands(len(picture), picture[0].size):
+        part = picture[first:end].astype(tone.working_dtype(picture.dtype))
+        grey[first:end] = tone.to_storage(colour.luminance(part), picture.dtype)
+    return grey

@@ -5,14 +5,14 @@ from typing import Any, Unpack
 
 from numpy.typing import NDArray
 
-from poisson_cli.editing import guidance, tone
+from poisson_cli.editing import colour, guidance, tone
 from poisson_cli.editing.compose import compose
 from poisson_cli.editing.guidance import GRADIENTS, Gradients
-from poisson_cli.editing.layers import Layer
 from poisson_cli.editing.placement import MaskOn, place
 from poisson_cli.editing.report import Edit
+from poisson_cli.editing.scene import Scene
 from poisson_cli.editing.solving import SolverOptions
-from poisson_cli.editing.spaces import SpaceName
+from poisson_cli.editing.spaces import SpaceName, named
 from poisson_cli.editing.transforms import Transform
 from poisson_cli.errors import InputError
 
@@ -89,9 +89,21 @@ def clone(
     if gradients not in GRADIENTS:
         raise InputError(f"gradients is {gradients!r}, but must be one of {', '.join(map(repr, GRADIENTS))}")
     destination, source = _check_pair(destination, source)
+    if monochrome:
+        tone.check_luminance("source", source.shape[2] if source.ndim == 3 else 1)
     placement = place(destination.shape, source.shape, mask, offset=offset, mask_on=mask_on)
-    g = Layer.of_source(source, placement, _channels(destination), monochrome=monochrome)
-    return compose("clone", destination, placement, g, GRADIENTS[gradients], **options)
+    scene = Scene(destination, placement, source, colour.luminance if monochrome else None)
+    return compose(
+        "clone",
+        scene,
+        GRADIENTS[gradients],
+        named(space, destination.dtype),
+        then=then,
+        screen=screen,
+        robust=robust,
+        rescale=rescale,
+        **options,
+    )
 
 
 def mix(
@@ -115,8 +127,17 @@ def mix(
     """
     destination, source = _check_pair(destination, source)
     placement = place(destination.shape, source.shape, mask, offset=offset, mask_on=mask_on)
-    g = Layer.of_source(source, placement, _channels(destination))
-    return compose("mix", destination, placement, g, guidance.mixed, **options)
+    return compose(
+        "mix",
+        Scene(destination, placement, source),
+        guidance.mixed,
+        named(space, destination.dtype),
+        then=then,
+        screen=screen,
+        robust=robust,
+        rescale=rescale,
+        **options,
+    )
 
 
 def fill(
@@ -134,12 +155,12 @@ def fill(
     mask : (H, W) array
         True or non-zero = fill.  What the picture holds there has no influence, unless everything is selected: then the
         result is the picture's mean.
-    **options
-        See `SolverOptions`.
+    space, **options
+        See `clone`.
     """
     image = tone.check_picture("image", image)
     placement = place(image.shape, image.shape, mask)
-    return compose("fill", image, placement, None, guidance.membrane, **options)
+    return compose("fill", Scene(image, placement), guidance.membrane, named(space, image.dtype), **options)
 
 
 def _check_pair(destination: Any, source: Any) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -151,7 +172,3 @@ def _check_pair(destination: Any, source: Any) -> tuple[NDArray[Any], NDArray[An
             f"the source is {source.dtype} but the destination is {destination.dtype}: convert the source first"
         )
     return destination, source
-
-
-def _channels(picture: NDArray[Any]) -> int | None:
-    return picture.shape[2] if picture.ndim == 3 else None

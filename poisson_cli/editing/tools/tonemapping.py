@@ -1,12 +1,22 @@
 """The whole-image relative of the paper's tools: gradient domain compression of the dynamic range."""
 
+from time import perf_counter
 from typing import Any, Unpack
 
+import numpy as np
 from numpy.typing import NDArray
 
-from poisson_cli.editing.report import Edit
-from poisson_cli.editing.solving import SolverOptions
-from poisson_cli.editing.spaces import SpaceName
+from poisson_cli.editing import tone
+from poisson_cli.editing.pyramid import attenuation_map
+from poisson_cli.editing.report import Edit, report_on
+from poisson_cli.editing.solving import SolverOptions, solve
+from poisson_cli.editing.spaces import Space, SpaceName, named
+from poisson_cli.errors import InputError
+from solvers import Guidance, PoissonProblem
+from solvers.canvas import Values
+
+# Luminance of float pictures below this share of the largest one counts as that: twenty stops.
+LEAST = 2.0**-20
 
 
 def tonemap(
@@ -20,23 +30,128 @@ def tonemap(
     space: SpaceName = "rgb",
     **options: Unpack[SolverOptions],
 ) -> Edit:
-    """Dynamic range compression of a whole picture (Fattal et al. 2002).  Details follow in this docstring.
+    """Compression of the dynamic range: large changes of luminance made smaller, detail kept (Fattal et al. 2002).
+
+    For pictures that are dark where the light is not, and for pictures of more range than a screen has (floats).  In the
+    log domain, as in `relight`, but over the whole picture, with the natural condition at its edges, and on all scales:
+    what is small next to a window frame is large in the window, and is kept there.
+
+    L is the log of the luminance Y (values as stored, linear light, or L*, as in `relight`), which is taken to be no
+    less than that of a grey of half a unit in integer pictures, and than 2^-20 of the largest in floats.  A pyramid
+    of means of 2 x 2 pixels, as long as the shorter side keeps 32 of them, has at level k the norm n_k of central
+    differences / 2^(k + 1); its factor is (a_k / max(n_k, a_k / 10))^beta, with a_k = alpha mean(n_k).  The product
+    over all levels, enlarged linearly, is the factor of a pixel; that of a pixel pair is the mean of its two pixels'.
+
+    The new luminance exp(f) is scaled so that its percentile `white` becomes full scale, and then raised to 1 / gamma.
+    Colours are new = newY (old / Y)^saturation, channel by channel; in Lab a* and b* are multiplied by
+    saturation newL* / L*.  The result is clipped to the range, for floats too.
 
     Parameters
     ----------
     image : (H, W) or (H, W, C) array
         C is 1 or 3.
     alpha : float
-        Gradients above alpha times the mean gradient norm are made smaller, those below larger, scale by scale.
+        Positive: what part of the mean norm of a gradient is left as it is.
     beta : float
-        How strongly; 0 leaves all gradients as they are.  Fattal et al. write 1 - beta.
+        From 0 to 1; how strongly.  0 leaves all gradients as they are.  Fattal et al. write 1 - beta.
     saturation : float
-        Exponent of the colour ratios: 1 keeps them, less is paler.
+        Not negative; 1 keeps the ratios of colours, which look too strong where much range was taken away.
     white : float
-        Percentile of the new luminance that becomes full scale.
+        Above 0, at most 100.
     gamma : float
-        The new luminance is raised to 1 / gamma; for pictures that store linear light.
+        Positive; 2.2 for pictures that store linear light and are to be looked at.
     space, **options
         See `clone`.
     """
-    raise NotImplementedError
+    _check(alpha=alpha, beta=beta, saturation=saturation, white=white, gamma=gamma)
+    start = perf_counter()
+    image = tone.check_picture("image", image)
+    tone.check_values("image", image)
+    stored = image.reshape(*image.shape[:2], -1).astype(tone.working_dtype(image.dtype))
+    domain = named(space, image.dtype)
+    domain.check("image", stored.shape[2])
+    tone.check_luminance("image", stored.shape[2])
+    working = domain.to_working(stored)
+    old = np.maximum(domain.brightness(working), _least(domain, image.dtype, working))
+
+    logs: Values = np.log(old[:, :, 0])
+    problem = _problem(logs, attenuation_map(logs, alpha, beta), domain)
+    prepared = perf_counter()
+    result = solve(problem, **options)
+    solved = perf_counter()
+
+    new = np.exp(logs + result.solution)[:, :, np.newaxis]
+    full = domain.brightness(domain.to_working(np.full((1, 3), domain.full, domain.dtype))).item()
+    new /= new.dtype.type(np.percentile(new, white))
+    new = full * np.minimum(new, 1) ** new.dtype.type(1 / gamma)
+    values = domain.to_stored(_colored(working, old, new, saturation, domain))
+    clipped = tone.count_clipped(values, image.dtype)
+    overshoot = tone.excess(values, image.dtype) / tone.level(image.dtype)
+    np.clip(values, 0, domain.full, out=values)
+    seconds = {
+        "guidance": prepared - start,
+        "solve": solved - prepared,
+        "paste": perf_counter() - solved,
+    }
+    report = report_on(
+        "tonemap",
+        result,
+        options,
+        rectangle=(0, 0, *image.shape[:2]),
+        space=domain.name,
+        boundary_mismatch=None,
+        clipped=clipped,
+        overshoot=overshoot,
+        seconds=seconds,
+    )
+    return Edit(tone.to_storage(values, image.dtype).reshape(image.shape), report)
+
+
+def _check(**parameters: float) -> None:
+    """InputError if a parameter makes no sense."""
+    bounds = {
+        "alpha": (0.0, np.inf, False),
+        "beta": (0.0, 1.0, True),
+        "saturation": (0.0, np.inf, True),
+        "white": (0.0, 100.0, False),
+        "gamma": (0.0, np.inf, False),
+    }
+    for name, value in parameters.items():
+        low, high, included = bounds[name]
+        if not (np.isfinite(value) and (low < value or (included and value == low)) and value <= high):
+            lower = "from 0" if included else "above 0"
+            upper = f" to {high:g}" if np.isfinite(high) else ""
+            raise InputError(f"{name} is {value}, but must be a number {lower}{upper}")
+
+
+def _least(space: Space, dtype: np.dtype[Any], working: Values) -> Values:
+    """The least luminance."""
+    if dtype.kind == "u":
+        grey = space.to_working(np.full((1, 3), 0.5, space.dtype))
+        return space.brightness(grey)
+    largest = float(space.brightness(working).max())
+    return np.full((1, 1), max(largest, np.finfo(np.float32).tiny) * LEAST, space.dtype)
+
+
+def _problem(logs: Values, factors: Values, space: Space) -> PoissonProblem:
+    """The change u of the logs: v = factor * grad L, less grad L; the first guess is none."""
+    gradient = Guidance.of(logs)
+    across = ((factors[:, :-1] + factors[:, 1:]) / 2 - 1) * gradient.across
+    down = ((factors[:-1] + factors[1:]) / 2 - 1) * gradient.down
+    # An error of u multiplies all values, once by itself and once by what becomes white.
+    level = 1 / (2 * 255 * space.expansion)
+    return PoissonProblem(
+        np.ones(logs.shape, np.bool_), np.zeros_like(logs), Guidance(across, down), level=level
+    )
+
+
+def _colored(working: Values, old: Values, new: Values, saturation: float, space: Space) -> Values:
+    """Working values of the new luminance, with the colours of the old ones."""
+    if space.name == "lab":
+        colored: Values = working * (new / old) * working.dtype.type(saturation)
+        colored[:, :, :1] = new
+        return colored
+    if working.shape[2] == 1:
+        return new
+    ratio = working / old
+    return new * np.copysign(np.abs(ratio) ** ratio.dtype.type(saturation), ratio)
