@@ -94,6 +94,10 @@ USAGE = {
     "focus negative": ([*CLONE, "--focus", "-1"], "'-1' is not a number, 0 or greater"),
     "screen negative": ([*HEAL, "--screen", "-1"], "'-1' is not a number, 0 or greater"),
     "patch from nowhere": ([*HEAL, "--from", "left"], "'left' is not X,Y"),
+    "reach of no search": (
+        [*HEAL, "--from", "9,0", "--reach", "9"],
+        "--reach is for the search; with --from nothing is searched for.",
+    ),
     "no reach": ([*HEAL, "--reach", "0"], "'0' is not a whole number from 1"),
     "unknown space": ([*TILE, "--space", "hsv"], "'hsv' is not one of 'rgb', 'linear', 'lab'"),
     "unknown axis": ([*TILE, "--axis", "z"], "'z' is not one of 'both', 'x', 'y'"),
@@ -195,8 +199,14 @@ INPUT = {
     ),
     "beta too large": ([*RELIGHT, "--beta", "1.5"], "beta"),
     "colours of grey": (replaced(RECOLOR, "destination.png", "grey.png"), "channel"),
-    "grey in Lab": ([*replaced(FILL, "destination.png", "grey.png"), "--space", "lab"], "lab"),
-    "channels in Lab": ([*RELIGHT, "--per-channel", "--space", "lab"], "lab"),
+    "grey in Lab": (
+        [*replaced(FILL, "destination.png", "grey.png"), "--space", "lab"],
+        "CIE-Lab needs red, green and blue",
+    ),
+    "channels in Lab": (
+        [*RELIGHT, "--per-channel", "--space", "lab"],
+        "per_channel needs the space 'rgb' or 'linear'",
+    ),
     "patch outside": ([*HEAL, "--from", "40,0"], "outside"),
     "nowhere to search": (
         "heal destination.png --rect 4,4,40,32 -o out.png".split(),

@@ -56,6 +56,8 @@ def command(
     The same with skin from 60 pixels to the right:
       poisson heal portrait.jpg -m mole.png --from 60,0 -o out2.png
     """
+    if parameters["offset"] is not None and parameters["reach"] is not None:
+        raise click.UsageError("--reach is for the search; with --from nothing is searched for.")
     from poisson_cli import attended
     from poisson_cli.job import Job
 
