@@ -28,8 +28,8 @@ PICTURES = {
     "rocket": crop("rocket.jpg", *SIZE, top=200, left=240),
 }
 LIGHTER = {name: picture // 2 + 64 for name, picture in PICTURES.items()}
-"""For `mix` in linear light: near black that is proportional to the values as stored, so that of two pictures many
-variations are equal but for their rounding, and either may be taken."""
+"""For draws and halves in linear light: near black that is proportional to the values as stored, so that many variations
+of two pictures are equal but for their rounding, and many means a half; either answer is right then."""
 
 EVERY_SPACE = ("rgb", "linear", "lab")
 
@@ -130,7 +130,7 @@ def test_a_background_without_colour(changes, space):
 @pytest.mark.parametrize("axis", ["both", "x", "y"])
 @pytest.mark.parametrize("rect", [None, (11, 20, 90, 101)], ids=["all", "rect"])
 def test_tiling(rect, axis, space):
-    picture = PICTURES["coffee"]
+    picture = LIGHTER["coffee"]
     exact = oracles_tools.tile(picture, rect=rect, axis=axis, space=space)
     image = editing.tile(picture, rect=rect, axis=axis, space=space).image
     assert image.dtype == np.uint8 and image.shape == exact.shape
