@@ -28,8 +28,8 @@ PICTURES = {
     "rocket": crop("rocket.jpg", *SIZE, top=200, left=240),
 }
 LIGHTER = {name: picture // 2 + 64 for name, picture in PICTURES.items()}
-"""For draws and halves in linear light: near black that is proportional to the values as stored, so that many variations
-of two pictures are equal but for their rounding, and many means a half; either answer is right then."""
+"""For draws and halves in linear light: near black that is proportional to the values as stored, so that many
+variations of two pictures are equal but for their rounding, and many means a half; either answer is right then."""
 
 EVERY_SPACE = ("rgb", "linear", "lab")
 
