@@ -22,6 +22,14 @@ __all__ = ["as_dict", "details", "hints", "line", "tell"]
 LARGE_MISMATCH: Final = 40.0
 """Levels between source and destination, the mean along the border, from which colours visibly bleed in."""
 
+_MOVE: Final = "move the border to where they are alike, or keep the source's colours with --screen .001"
+_AGAINST_BLEEDING: Final = {
+    "clone": _MOVE,
+    "mix": _MOVE,
+    "heal": "name a patch that is more like the surroundings, with --from",
+}
+"""What helps, for each tool that imports gradients from elsewhere."""
+
 
 def tell(summary: Summary, reporting: Reporting) -> None:
     """Say what was done, as much of it as was asked for.
@@ -102,11 +110,13 @@ def hints(summary: Summary) -> list[str]:
     edit = summary.edit
     found = [] if edit.advice is None else [edit.advice]
     mismatch = max(edit.boundary_mismatch or (0.0,))
-    if mismatch >= LARGE_MISMATCH and not summary.guarded:
+    if edit.tool in _AGAINST_BLEEDING and mismatch >= LARGE_MISMATCH and not summary.guarded:
         found.append(
-            f"along the border the pictures differ by {mismatch:.0f} levels on average, so that colours bleed in; move "
-            "the border to where they are alike, or keep the source's colours with --screen .001"
+            f"along the border the pictures differ by {mismatch:.0f} levels on average, so that colours bleed in; "
+            + _AGAINST_BLEEDING[edit.tool]
         )
+    if edit.edge_share == 0:
+        found.append("there is no edge in the selection, so that all detail is gone; lower --high and --low")
     return found
 
 

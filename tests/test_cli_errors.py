@@ -207,7 +207,7 @@ INPUT = {
         [*RELIGHT, "--per-channel", "--space", "lab"],
         "per_channel needs the space 'rgb' or 'linear'",
     ),
-    "patch outside": ([*HEAL, "--from", "40,0"], "outside"),
+    "patch outside": ([*HEAL, "--from", "40,0"], "a patch 9x8 at 60,14 leaves the picture"),
     "nowhere to search": (
         "heal destination.png --rect 4,4,40,32 -o out.png".split(),
         "offset",
