@@ -21,8 +21,9 @@ STRAIGHT_STORED = 0.04045
 STRAIGHT_LIGHT = 0.0031308
 SLOPE = 12.92
 
-# Of R, G, B, with the primaries of sRGB and ITU-R BT.709.
-LUMINANCE = (0.2126, 0.7152, 0.0722)
+# Of R, G, B, with the primaries of sRGB and ITU-R BT.709, times 10,000: so the sum for integers is exact in float64, and
+# its half is seen to be one.
+LUMINANCE = (2126, 7152, 722)
 
 # X, Y, Z of the primaries, relative to those of white, which is R = G = B = 1: grey is exactly neutral in Lab.
 _XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
@@ -72,8 +73,10 @@ def luminance(values: Values) -> Values:
     """The luminance of R, G, B, (..., 3) -> (..., 1); one channel is its own."""
     if values.shape[-1] == 1:
         return values
-    grey: Values = values @ np.array(LUMINANCE, values.dtype)
-    return grey[..., np.newaxis]
+    red, green, blue = LUMINANCE
+    weighted: Values = red * values[..., :1] + green * values[..., 1:2] + blue * values[..., 2:]
+    weighted /= 10_000
+    return weighted
 
 
 def _mixed(matrix: NDArray[np.float64], values: Values) -> list[Any]:

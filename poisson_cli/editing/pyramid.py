@@ -29,21 +29,22 @@ def attenuation_map(logs: Values, alpha: float, beta: float) -> Values:
     for level, picture in reversed(list(enumerate(_pyramid(logs)))):
         own = _factors(picture, level, alpha, beta)
         factors = own if factors is None else _enlarged(factors, own.shape) * own
-    return np.asarray(factors, logs.dtype)
+    result: Values = factors.astype(logs.dtype)
+    return result
 
 
 def _pyramid(picture: Values) -> Iterator[Values]:
     """The picture, and again and again one of half the size, made of means of 2 x 2 pixels."""
     yield picture
     while min(picture.shape) >= 2 * SMALLEST:
-        even = np.pad(picture, [(0, length % 2) for length in picture.shape], mode="edge")
+        even: Any = np.pad(picture, [(0, length % 2) for length in picture.shape], mode="edge")
         picture = (even[::2, ::2] + even[1::2, ::2] + even[::2, 1::2] + even[1::2, 1::2]) / 4
         yield picture
 
 
 def _factors(picture: Values, level: int, alpha: float, beta: float) -> Values:
     """(a / |grad|)^beta of one scale; central differences, per pixel of the finest scale."""
-    inner = np.pad(picture, 1, mode="edge")
+    inner: Any = np.pad(picture, 1, mode="edge")
     down, across = inner[2:, 1:-1] - inner[:-2, 1:-1], inner[1:-1, 2:] - inner[1:-1, :-2]
     norm = np.hypot(down, across) / 2 ** (level + 1)
     a = alpha * float(norm.mean(dtype=np.float64))
@@ -57,7 +58,7 @@ def _enlarged(picture: Values, shape: tuple[int, ...]) -> Values:
     """Twice the size, linearly interpolated between the middles of pixels."""
     for axis, length in enumerate(shape):
         picture = np.moveaxis(picture, axis, 0)
-        padded = np.pad(picture, ((1, 1), (0, 0)), mode="edge")
+        padded: Any = np.pad(picture, ((1, 1), (0, 0)), mode="edge")
         twice = np.empty((2 * len(picture), picture.shape[1]), picture.dtype)
         twice[::2] = 0.75 * picture + 0.25 * padded[:-2]
         twice[1::2] = 0.75 * picture + 0.25 * padded[2:]

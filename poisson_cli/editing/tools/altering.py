@@ -204,6 +204,8 @@ def _luminance_of(picture: NDArray[Any]) -> NDArray[Any]:
     """The luminance in all three channels, as the picture's dtype stores it."""
     grey = np.empty_like(picture)
     for first, end in bands(len(picture), picture[0].size):
-        part = picture[first:end].astype(tone.working_dtype(picture.dtype))
+        part = picture[first:end].astype(
+            np.float64
+        )  # in float32 a 16-bit value may be rounded to another one
         grey[first:end] = tone.to_storage(colour.luminance(part), picture.dtype)
     return grey

@@ -32,8 +32,8 @@ def tonemap(
 ) -> Edit:
     """Compression of the dynamic range: large changes of luminance made smaller, detail kept (Fattal et al. 2002).
 
-    For pictures that are dark where the light is not, and for pictures of more range than a screen has (floats).  In the
-    log domain, as in `relight`, but over the whole picture, with the natural condition at its edges, and on all scales:
+    For pictures that are dark where the light is not, and for floats of more range than a screen has.  In the log
+    domain, as in `relight`, but over the whole picture, with the natural condition at its edges, and on all scales:
     what is small next to a window frame is large in the window, and is kept there.
 
     L is the log of the luminance Y (values as stored, linear light, or L*, as in `relight`), which is taken to be no
@@ -130,7 +130,7 @@ def _least(space: Space, dtype: np.dtype[Any], working: Values) -> Values:
         grey = space.to_working(np.full((1, 3), 0.5, space.dtype))
         return space.brightness(grey)
     largest = float(space.brightness(working).max())
-    return np.full((1, 1), max(largest, np.finfo(np.float32).tiny) * LEAST, space.dtype)
+    return np.full((1, 1), max(largest, 1e-30) * LEAST, space.dtype)
 
 
 def _problem(logs: Values, factors: Values, space: Space) -> PoissonProblem:
