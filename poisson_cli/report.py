@@ -19,8 +19,11 @@ if TYPE_CHECKING:
 
 __all__ = ["as_dict", "details", "hints", "line", "tell"]
 
-LARGE_MISMATCH: Final = 40.0
-"""Levels between source and destination, the mean along the border, from which colours visibly bleed in."""
+LARGE_MISMATCH: Final = 100.0
+"""Levels between source and destination, the mean along the border, from which a clone is unlike its source.
+
+Half of that is nothing unusual in good clones: an even shift of brightness is what cloning is for.
+"""
 
 _MOVE: Final = "move the border to where they are alike, or keep the source's colours with --screen .001"
 _AGAINST_BLEEDING: Final = {

@@ -115,10 +115,10 @@ def test_the_object_of_a_tool_with_more_to_say():
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"boundary_mismatch": (3.0, 40.4, 3.0)}, True),
-        ({"boundary_mismatch": (39.9, 39.9, 39.9)}, False),
-        ({"boundary_mismatch": (99.0,), "tool": "tile"}, False),
-        ({"boundary_mismatch": (99.0,), "guarded": True}, False),
+        ({"boundary_mismatch": (3.0, 100.4, 3.0)}, True),
+        ({"boundary_mismatch": (99.9, 99.9, 99.9)}, False),
+        ({"boundary_mismatch": (199.0,), "tool": "tile"}, False),
+        ({"boundary_mismatch": (199.0,), "guarded": True}, False),
         ({"boundary_mismatch": None}, False),
     ],
 )
@@ -130,12 +130,12 @@ def test_a_large_mismatch_comes_with_advice(capsys, changes, said):
     lines = capsys.readouterr().err.splitlines()[1:]
     assert lines == [f"poisson: hint: {hint}" for hint in hints]
     if said:
-        assert hints[0].startswith("along the border the pictures differ by 40 levels on average")
+        assert hints[0].startswith("along the border the pictures differ by 100 levels on average")
         assert "--screen" in hints[0]
 
 
 def test_a_heal_and_a_flattening_have_hints_of_their_own():
-    assert "--from" in report.hints(changed(boundary_mismatch=(99.0,), tool="heal"))[0]
+    assert "--from" in report.hints(changed(boundary_mismatch=(199.0,), tool="heal"))[0]
     assert "lower --high" in report.hints(changed(boundary_mismatch=None, edge_share=0.0))[0]
     assert report.hints(changed(boundary_mismatch=None, edge_share=1e-6)) == []
 
