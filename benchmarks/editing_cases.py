@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks import pictures
 from benchmarks.case import Case
 from benchmarks.peers.opencv import cv2_box
 
@@ -46,6 +47,7 @@ class Row:
 def every(case: Case, cv2: ModuleType | None) -> Iterator[Row]:
     """All rows, those with an answer by OpenCV first; without OpenCV, given as `cv2`, none has."""
     import poisson_cli
+    from poisson_cli import editing
     from poisson_cli.editing.transforms import Scale
     from tests import oracles, oracles_tools
 
@@ -159,6 +161,25 @@ def every(case: Case, cv2: ModuleType | None) -> Iterator[Row]:
         lambda: oracles_tools.heal(f, mask, offset=OFFSET),
         f,
         mask,
+    )
+    everything = np.ones(mask.shape, bool)
+    yield Row(
+        "tonemap (all 262,144 pixels)",
+        lambda: poisson_cli.tonemap(f, **one),
+        lambda: oracles_tools.tonemap(f),
+        f,
+        everything,
+    )
+    wide = pictures.destination(512, 1024)  # room for a patch as large as the selection
+    selected = np.pad(mask, ((0, 0), (0, 512)))
+    patch = editing.heal(wide, selected, **one).report.offset
+    assert patch is not None
+    yield Row(
+        "heal, searching in 512 x 1024",
+        lambda: poisson_cli.heal(wide, selected, **one),
+        lambda: oracles_tools.heal(wide, selected, offset=patch),
+        wide,
+        selected,
     )
     side = int(np.sqrt(case.unknowns)) + 2
     rect = ((512 - side) // 2, (512 - side) // 2, side, side)

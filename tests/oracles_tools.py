@@ -252,3 +252,102 @@ def heal(image: Array, mask: Array, *, offset: tuple[int, int], **variant: Any) 
     """Concealment, Fig. 2: g_p is the picture's value at p + offset."""
     away = (-offset[0], -offset[1])
     return oracles.clone(image, image, mask, offset=away, mask_on="destination", **variant)
+
+
+# --- the range of a whole picture -------------------------------------------------------------------
+
+
+def tonemap(
+    image: Array,
+    *,
+    alpha: float = 0.1,
+    beta: float = 0.15,
+    saturation: float = 0.8,
+    white: float = 99.5,
+    gamma: float = 1.0,
+    space: str = "rgb",
+) -> Array:
+    """Fattal et al. 2002: the log luminance with its gradients attenuated on every scale, the natural condition around.
+
+    The new luminance is brought to where its percentile `white` is that of white, what is above it cut off, and raised
+    to 1 / gamma.  A colour is the new luminance times (old / old luminance)^saturation, in Lab its chroma times
+    saturation and the ratio of lightness.
+    """
+    full = oracles.full_scale(image.dtype)
+    values = oracles.working(image, full, space)
+    coloured = values.ndim == 3 and values.shape[2] == 3
+    old = (
+        values[..., 0]
+        if space == "lab"
+        else oracles.grey(values)
+        if coloured
+        else values.reshape(image.shape[:2])
+    )
+    if np.issubdtype(image.dtype, np.integer):
+        least = float(oracles.working(np.full((1, 1, 3), 0.5), full, space)[0, 0, 0])
+    else:
+        least = old.max() / 2**20
+    old = np.maximum(old, least)
+    logarithm = np.log(old)
+    factor = attenuation_on_all_scales(logarithm, alpha, beta)
+    field = times(((factor[:, :-1] + factor[:, 1:]) / 2, (factor[:-1] + factor[1:]) / 2))(
+        oracles.guidance(oracles.imported, logarithm, logarithm)
+    )
+    new = np.exp(oracles.solve(np.ones(old.shape, bool), logarithm, *field))
+    brightest = float(oracles.working(np.full((1, 1, 3), full), full, space)[0, 0, 0])
+    new = brightest * np.minimum(new / np.percentile(new, white), 1) ** (1 / gamma)
+    if space == "lab":
+        edited = np.stack([new, *(saturation * values[..., i] * new / old for i in (1, 2))], axis=-1)
+    elif coloured:
+        ratio = values / old[..., None]
+        edited = new[..., None] * np.sign(ratio) * np.abs(ratio) ** saturation
+    else:
+        edited = new.reshape(image.shape)
+    return np.clip(oracles.restored(edited, full, space), 0, full)
+
+
+def attenuation_on_all_scales(logarithm: Array, alpha: float, beta: float) -> Array:
+    """Per pixel, the product over a pyramid of (a / |grad|)^beta, a being alpha times the mean of |grad| on its level.
+
+    A level has the means of 2 x 2 pixels of the one below, the last of them as long as its shorter side has 32 pixels
+    or more; beyond its edge a picture continues with the pixels there.  Norms below a / 10 count as that.
+    """
+    pyramid = [logarithm]
+    while min(pyramid[-1].shape) // 2 >= 32:
+        pyramid.append(halved(pyramid[-1]))
+    product = np.ones_like(pyramid[-1])
+    for level in reversed(range(len(pyramid))):
+        picture = pyramid[level]
+        if product.shape != picture.shape:
+            rows, cols = (doubling(n) for n in product.shape)
+            product = (rows @ product @ cols.T)[: picture.shape[0], : picture.shape[1]]
+        norm = np.zeros_like(picture)
+        for row, col in np.ndindex(*picture.shape):
+            height, width = picture.shape
+            down = picture[min(row + 1, height - 1), col] - picture[max(row - 1, 0), col]
+            across = picture[row, min(col + 1, width - 1)] - picture[row, max(col - 1, 0)]
+            norm[row, col] = np.hypot(down, across) / 2 ** (level + 1)
+        a = alpha * norm.mean()
+        if a > 0:
+            product = product * (a / np.maximum(norm, a / 10)) ** beta
+    return product
+
+
+def halved(picture: Array) -> Array:
+    """Means of 2 x 2 pixels."""
+    height, width = picture.shape
+    half = np.zeros(((height + 1) // 2, (width + 1) // 2))
+    for row, col in np.ndindex(*half.shape):
+        rows, cols = ([2 * i, min(2 * i + 1, length - 1)] for i, length in ((row, height), (col, width)))
+        half[row, col] = picture[np.ix_(rows, cols)].mean()
+    return half
+
+
+def doubling(length: int) -> Array:
+    """(2 length, length): linear interpolation of pixels, each of which becomes two of half the size."""
+    matrix = np.zeros((2 * length, length))
+    for i in range(2 * length):
+        place = (i + 0.5) / 2 - 0.5
+        for j in (int(np.floor(place)), int(np.floor(place)) + 1):
+            matrix[i, min(max(j, 0), length - 1)] += 1 - abs(place - j)
+    return matrix

@@ -296,3 +296,46 @@ def test_what_repeats_already_stays():
     row, col = np.mgrid[:17, :25]
     picture = 100 + 40 * np.cos(2 * np.pi * row / 16) + 30 * np.sin(2 * np.pi * col / 24)
     np.testing.assert_allclose(oracles_tools.tile(picture), picture, atol=1e-9)
+
+
+# --- tone mapping -----------------------------------------------------------------------------------
+
+
+def test_halving_and_doubling():
+    np.testing.assert_allclose(
+        oracles_tools.halved(np.arange(15.0).reshape(3, 5)), [[3, 5, 6.5], [10.5, 12.5, 14]]
+    )
+    np.testing.assert_allclose(oracles_tools.doubling(2) @ [4.0, 8.0], [4, 5, 7, 8])
+    slope = np.add.outer(3.0 * np.arange(12), np.arange(10))
+    rows, cols = (oracles_tools.doubling(n) for n in (6, 5))
+    again = rows @ oracles_tools.halved(slope) @ cols.T
+    np.testing.assert_allclose(again[1:-1, 1:-1], slope[1:-1, 1:-1])
+
+
+@pytest.mark.parametrize("space", SPACES)
+def test_tone_mapping_by_nothing_brings_white_to_white(space):
+    picture = crop("rocket.jpg", 70, 75, top=200, left=240)
+    picture = np.concatenate([picture, np.full((70, 1, 3), 255, np.uint8)], axis=1)
+    same = oracles_tools.tonemap(picture, beta=0, saturation=1, white=100, space=space)
+    seen = picture.max(axis=-1) > 0  # a luminance less than that of half a unit counts as that
+    np.testing.assert_allclose(same[seen], picture[seen], atol=1e-6)
+
+
+def test_tone_mapping_lightens_what_is_dark():
+    picture = crop("rocket.jpg", 100, 110, top=200, left=240)
+    mapped = oracles_tools.tonemap(picture)
+    assert mapped.min() >= 0 and mapped.max() <= 255
+    assert np.log(mapped + 1).std() < np.log(picture + 1.0).std()
+    assert np.median(mapped) > np.median(picture)
+
+
+def test_a_slope_of_one_steepness_is_attenuated_evenly():
+    """Far from the edges every norm is the same on every scale, but for the edges' share in the mean."""
+    slope = np.add.outer(0.01 * np.arange(128), np.zeros(128))
+    factor = oracles_tools.attenuation_on_all_scales(slope, 0.5, 0.3)
+    inner = factor[20:-20, 20:-20]
+    np.testing.assert_allclose(inner, inner[0, 0], rtol=1e-9)
+    means = [
+        (n - 1) / n for n in (128, 64, 32)
+    ]  # at the first and the last row a central difference is half as large
+    np.testing.assert_allclose(inner[0, 0], np.prod([(0.5 * mean) ** 0.3 for mean in means]))

@@ -45,6 +45,7 @@ CALLS: dict[str, Any] = {
     "focus": lambda **o: editing.focus(PICTURE, MASK, amount=1.4, **o),
     "tile": lambda **o: editing.tile(PICTURE, **o),
     "tile, x": lambda **o: editing.tile(PICTURE, axis="x", **o),
+    "tonemap": lambda **o: editing.tonemap(PICTURE, **o),
     "heal": lambda **o: editing.heal(PICTURE, MASK, offset=(2, -3), **o),
     "heal, searching": lambda **o: editing.heal(
         PICTURE, np.pad(MASK[16:48:2, 20:52:2], ((5, 43), (7, 52))), **o

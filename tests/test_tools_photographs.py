@@ -141,6 +141,37 @@ def test_tiling(rect, axis, space):
         np.testing.assert_array_equal(image[0], image[-1])
 
 
+DARK = crop("rocket.jpg", 131, 170, top=200, left=240)
+
+
+@pytest.mark.parametrize("space", EVERY_SPACE)
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"alpha": 0.3, "beta": 0.3},
+        {"saturation": 1.2, "white": 90.0},
+        {"gamma": 2.2, "saturation": 0.0, "white": 100.0},
+    ],
+    ids=str,
+)
+def test_tone_mapping(options, space):
+    exact = oracles_tools.tonemap(DARK, **options, space=space)
+    image = editing.tonemap(DARK, **options, space=space).image
+    assert_close(image, DARK, exact, np.ones(DARK.shape[:2], bool))
+
+
+@pytest.mark.parametrize("space", ["rgb", "linear"])
+def test_tone_mapping_grey_and_floats(space):
+    for picture in (DARK[..., 0], DARK[:, :, :1], DARK[..., 0] / 255, (DARK / 100.0).astype(np.float32) ** 3):
+        exact = oracles_tools.tonemap(picture, space=space)
+        image = editing.tonemap(picture, space=space).image
+        assert image.dtype == picture.dtype and image.shape == picture.shape
+        level = oracles.full_scale(picture.dtype) / 255
+        rounding = 0.5 if picture.dtype == np.uint8 else 0
+        assert np.abs(image - exact).max() <= (rounding + WITHIN) * level
+
+
 @pytest.mark.parametrize("tool", ["fill", "flatten", "relight", "sharpen", "heal"])
 @pytest.mark.parametrize("space", ["rgb", "linear"])
 def test_grey_pictures(tool, space):

@@ -23,10 +23,11 @@ ORACLES: dict[str, Callable[..., np.ndarray]] = {
     "focus": oracles_tools.focus,
     "tile": oracles_tools.tile,
     "heal": oracles_tools.heal,
+    "tonemap": oracles_tools.tonemap,
 }
 
 WITH_SOURCE = ("clone", "mix")
-WITHOUT_MASK = ("tile",)
+WITHOUT_MASK = ("tile", "tonemap")
 STRAIGHT = ("clone", "mix", "fill", "flatten", "focus", "tile", "heal")
 """In rgb, these add what they solved to stored values; the others go through a curve."""
 
