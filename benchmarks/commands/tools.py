@@ -25,15 +25,15 @@ ALLOWED = 0.55  # levels: .05 for the values, half of one for their rounding
 
 HEADER = (
     "tool",
-    "time",
+    "ours",
     "largest error",
     "rms error",
     "changed outside",
     "OpenCV",
-    "time",
-    "x ours",
-    "rms error",
-    "changed outside",
+    "theirs",
+    "theirs / ours",
+    "their rms error",
+    "they change outside",
 )
 
 
@@ -51,8 +51,8 @@ def run(arguments: Namespace) -> list[str]:
     print(machine.describe())
     print(
         f"\nA disk of {paper.unknowns:,} pixels in 512 x 512, 3 channels, one thread; ours and theirs in turn, medians."
-        "\nerror: levels, inside the selection, of the 8-bit picture against the exact one of this tool's equations"
-        "\n(.5 is perfect, its rms about .29); OpenCV's equations are others.  changed outside: pixels, should be 0.\n"
+        "\nerror: levels, inside the selection, of the 8-bit picture against the exact one of the tool's equations (.5 is"
+        "\nperfect, its rms about .29); OpenCV's equations are others.  changed outside: pixels, should be 0.\n"
     )
     table, wrong = [], []
     for row in wanted:
