@@ -40,11 +40,13 @@ def command(
     reporting: Reporting,
     **parameters: Any,
 ) -> None:
-    """Sharpen or soften a selection of IMAGE; nothing shows where the change begins.
+    """Sharpen or soften a selection of IMAGE: its gradients are multiplied, and nothing shows where that begins.
+
+    Large differences of brightness are multiplied as well as fine detail: below 1 the selection loses contrast.
 
     \b
-    Example: what is not white in people.png, softened:
-      poisson focus party.jpg -m people.png --invert-mask --amount .5 -o out.png
+    Example: a sharper face, white in face.png:
+      poisson focus portrait.jpg -m face.png --amount 1.5 -o out.png
     """
     from poisson_cli import attended
     from poisson_cli.job import Job
