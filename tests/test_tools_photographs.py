@@ -13,7 +13,7 @@ import pytest
 from poisson_cli import editing
 from poisson_cli.editing.transforms import Attenuate, Scale, Sieve
 from tests import oracles, oracles_tools
-from tests.agreement import assert_untouched
+from tests.agreement import LARGEST_ERROR, assert_untouched, largest_error
 from tests.photographs import crop
 from tests.regions import SHAPES, lasso
 
@@ -84,6 +84,18 @@ def test_editing_in_place(tool, space):
     case, picture, mask = IN_PLACE[tool], PICTURES["coffee"], lasso(*SIZE)
     exact = case.oracle(picture, mask, **case.options, space=space)
     assert_close(case.ours(picture, mask, **case.options, space=space).image, picture, exact, mask)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("space", EVERY_SPACE)
+@pytest.mark.parametrize("tool", IN_PLACE)
+def test_editing_floats_in_place(tool, space, dtype):
+    """Neither rounded nor clipped, so that every value is seen as it is."""
+    case, picture, mask = IN_PLACE[tool], PICTURES["cat"].astype(dtype) / dtype(255), lasso(*SIZE)
+    exact = case.oracle(picture, mask, **case.options, space=space)
+    image = case.ours(picture, mask, **case.options, space=space).image
+    assert_untouched(image, picture, mask)
+    assert largest_error(image, exact, mask, 1 / 255) <= LARGEST_ERROR
 
 
 @pytest.mark.parametrize("picture", ["astronaut", "cat", "rocket"])

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from poisson_cli import editing
 from poisson_cli.editing.transforms import Attenuate, Scale, Sieve
-from tests import oracles, oracles_tools
+from tests import oracles, oracles_spaces, oracles_tools
 from tests.agreement import assert_untouched
 from tests.photographs import crop
 from tests.regions import SHAPES, lasso
@@ -370,3 +370,59 @@ def test_healing_finds_the_one_place_that_fits(dtype, shift):
     assert_untouched(edit.image, damaged, mask)
     again = editing.heal(damaged, mask)
     assert again.report.offset == edit.report.offset and again.image.tobytes() == edit.image.tobytes()
+
+
+# --- tone mapping -----------------------------------------------------------------------------------
+
+
+@every_space
+@every_depth
+def test_tone_mapping_fills_the_range_and_stays_in_it(dtype, space):
+    picture = of_depth(crop("rocket.jpg", 70, 81, top=200, left=240) / 255, dtype)
+    before = picture.copy()
+    image = editing.tonemap(picture, space=space).image
+    assert image.dtype == dtype and image.shape == picture.shape
+    assert image.min() >= 0 and image.max() <= oracles.full_scale(dtype)
+    assert np.median(image) > np.median(picture)
+    assert picture.tobytes() == before.tobytes()
+
+
+@pytest.mark.parametrize("exposure", [1e-4, 0.3, 50.0])
+@pytest.mark.parametrize("space", ["rgb", "linear"])
+def test_tone_mapping_does_not_depend_on_the_exposure_of_floats(space, exposure):
+    """A factor on the values as stored, or on the light.  (On L* there is none.)"""
+    picture = 0.05 + crop("rocket.jpg", 70, 81, top=200, left=240) / 255
+    if space == "rgb":
+        image, exposed = (
+            editing.tonemap(p, tolerance=TOLERANCE).image for p in (picture, exposure * picture)
+        )
+    else:
+        light = oracles_spaces.linear_of_srgb(picture)
+        darker = oracles_spaces.srgb_of_linear(exposure * light)
+        image, exposed = (
+            editing.tonemap(p, space="linear", tolerance=TOLERANCE).image for p in (picture, darker)
+        )
+    assert np.abs(image - exposed).max() <= 0.01 * LEVEL
+
+
+@every_space
+def test_tone_mapping_commutes_with_flips_of_sizes_that_can_be_halved(space):
+    picture = crop("coffee.png", 64, 128, top=150) / 255
+    plain = editing.tonemap(picture, space=space, tolerance=TOLERANCE).image
+    for turn in (np.flipud, np.fliplr, lambda array: np.swapaxes(array, 0, 1)):
+        turned = editing.tonemap(turn(picture), space=space, tolerance=TOLERANCE).image
+        assert np.abs(turned - turn(plain)).max() <= 2 * SLACK
+
+
+@every_space
+def test_tone_mapping_by_nothing_changes_nothing_where_white_is_full_scale(space):
+    picture = 0.1 + 0.9 * crop("coffee.png", 70, 81, top=150) / 255
+    picture[3, 4] = 1
+    image = editing.tonemap(picture, beta=0.0, saturation=1.0, white=100.0, space=space).image
+    assert np.abs(image - np.clip(picture, 0, 1)).max() <= 0.01 * LEVEL
+
+
+def test_one_colour_is_tone_mapped_to_white():
+    for value in (1, 100, 255):
+        picture = np.full((40, 50, 3), value, np.uint8)
+        assert (editing.tonemap(picture).image == 255).all()

@@ -51,8 +51,8 @@ def run(arguments: Namespace) -> list[str]:
     print(machine.describe())
     print(
         f"\nA disk of {paper.unknowns:,} pixels in 512 x 512, 3 channels, one thread; ours and theirs in turn, medians."
-        "\nerror: levels, inside the selection, of the 8-bit picture against the exact one of the tool's equations (.5 is"
-        "\nperfect, its rms about .29); OpenCV's equations are others.  changed outside: pixels, should be 0.\n"
+        "\nerror: levels, inside the selection, of the 8-bit picture against the exact one of the tool's equations (.5"
+        "\nis perfect, its rms about .29); OpenCV's equations are others.  changed outside: pixels, should be 0.\n"
     )
     table, wrong = [], []
     for row in wanted:
