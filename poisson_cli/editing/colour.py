@@ -21,8 +21,8 @@ STRAIGHT_STORED = 0.04045
 STRAIGHT_LIGHT = 0.0031308
 SLOPE = 12.92
 
-# Of R, G, B, with the primaries of sRGB and ITU-R BT.709, times 10,000: so the sum for integers is exact in float64, and
-# its half is seen to be one.
+# Of R, G, B, with the primaries of sRGB and ITU-R BT.709, times 10,000: the sum is exact for integers, and
+# halves are seen to be halves.
 LUMINANCE = (2126, 7152, 722)
 
 # X, Y, Z of the primaries, relative to those of white, which is R = G = B = 1: grey is exactly neutral in Lab.

@@ -15,17 +15,16 @@ from poisson_cli.errors import InputError
 from solvers import Guidance, PoissonProblem
 from solvers.canvas import Values
 
-# Luminance of float pictures below this share of the largest one counts as that: twenty stops.
-LEAST = 2.0**-20
-
 
 def tonemap(
     image: NDArray[Any],
     *,
     alpha: float = 0.1,
-    beta: float = 0.15,
+    beta: float = 0.1,
     saturation: float = 0.8,
+    black: float = 0.5,
     white: float = 99.5,
+    floor: float = 0.01,
     gamma: float = 1.0,
     space: SpaceName = "rgb",
     **options: Unpack[SolverOptions],
@@ -36,15 +35,17 @@ def tonemap(
     domain, as in `relight`, but over the whole picture, with the natural condition at its edges, and on all scales:
     what is small next to a window frame is large in the window, and is kept there.
 
-    L is the log of the luminance Y (values as stored, linear light, or L*, as in `relight`), which is taken to be no
-    less than that of a grey of half a unit in integer pictures, and than 2^-20 of the largest in floats.  A pyramid
-    of means of 2 x 2 pixels, as long as the shorter side keeps 32 of them, has at level k the norm n_k of central
-    differences / 2^(k + 1); its factor is (a_k / max(n_k, a_k / 10))^beta, with a_k = alpha mean(n_k).  The product
-    over all levels, enlarged linearly, is the factor of a pixel; that of a pixel pair is the mean of its two pixels'.
+    Y is the luminance (of values as stored, of linear light, or L*, as in `relight`), but no less than 0.  With e =
+    `floor` times its percentile `white`, L = log(Y + e): without e the noise of what is nearly black would count for
+    as much as the lights.  A pyramid of means of 2 x 2 pixels, as long as the shorter side keeps 32 of them, has at
+    level k the norm n_k of central differences / 2^(k + 1); its factor is (a_k / max(n_k, a_k / 10))^beta, with
+    a_k = alpha mean(n_k).  The product over all levels, enlarged linearly, is the factor of a pixel; that of a pixel
+    pair is the mean of its two pixels'.
 
-    The new luminance exp(f) is scaled so that its percentile `white` becomes full scale, and then raised to 1 / gamma.
-    Colours are new = newY (old / Y)^saturation, channel by channel; in Lab a* and b* are multiplied by
-    saturation newL* / L*.  The result is clipped to the range, for floats too.
+    All gradients shrink, so that the new luminance exp(f) is stretched: its percentile `black` becomes 0 and its
+    percentile `white` full scale, what is beyond is cut off, and the rest is raised to 1 / gamma.  Colours are
+    new = newY ((old + e) / (Y + e))^saturation, channel by channel; in Lab a* and b* are multiplied by
+    saturation newL* / (L* + e).  The result is clipped to the range, for floats too.
 
     Parameters
     ----------
@@ -53,17 +54,27 @@ def tonemap(
     alpha : float
         Positive: what part of the mean norm of a gradient is left as it is.
     beta : float
-        From 0 to 1; how strongly.  0 leaves all gradients as they are.  Fattal et al. write 1 - beta.
+        From 0 to 1; how strongly.  0 leaves all gradients as they are, .2 looks unreal.  Fattal et al. write 1 - beta.
     saturation : float
         Not negative; 1 keeps the ratios of colours, which look too strong where much range was taken away.
-    white : float
-        Above 0, at most 100.
+    black, white : float
+        From 0 to 100, the first the smaller one.
+    floor : float
+        Above 0.  .01 suits photographs; less for floats of a large range.
     gamma : float
         Positive; 2.2 for pictures that store linear light and are to be looked at.
     space, **options
         See `clone`.
     """
-    _check(alpha=alpha, beta=beta, saturation=saturation, white=white, gamma=gamma)
+    _check(
+        alpha=alpha,
+        beta=beta,
+        saturation=saturation,
+        black=black,
+        white=white,
+        floor=floor,
+        gamma=gamma,
+    )
     start = perf_counter()
     image = tone.check_picture("image", image)
     tone.check_values("image", image)
@@ -72,7 +83,10 @@ def tonemap(
     domain.check("image", stored.shape[2])
     tone.check_luminance("image", stored.shape[2])
     working = domain.to_working(stored)
-    old = np.maximum(domain.brightness(working), _least(domain, image.dtype, working))
+    full = domain.brightness(domain.to_working(np.full((1, 3), domain.full, domain.dtype))).item()
+    brightness = np.maximum(domain.brightness(working), 0)
+    haze = brightness.dtype.type(floor * (np.percentile(brightness, white) or full))
+    old = brightness + haze
 
     logs: Values = np.log(old[:, :, 0])
     problem = _problem(logs, attenuation_map(logs, alpha, beta), domain)
@@ -81,10 +95,12 @@ def tonemap(
     solved = perf_counter()
 
     new = np.exp(logs + result.solution)[:, :, np.newaxis]
-    full = domain.brightness(domain.to_working(np.full((1, 3), domain.full, domain.dtype))).item()
-    new /= new.dtype.type(np.percentile(new, white))
-    new = full * np.minimum(new, 1) ** new.dtype.type(1 / gamma)
-    values = domain.to_stored(_colored(working, old, new, saturation, domain))
+    lowest, highest = (new.dtype.type(p) for p in np.percentile(new, (black, white)))
+    if lowest < highest:
+        new -= lowest
+    new /= new.dtype.type(highest - lowest if lowest < highest else highest)
+    new = full * np.clip(new, 0, 1) ** new.dtype.type(1 / gamma)
+    values = domain.to_stored(_colored(working, haze, old, new, saturation, domain))
     clipped = tone.count_clipped(values, image.dtype)
     overshoot = tone.excess(values, image.dtype) / tone.level(image.dtype)
     np.clip(values, 0, domain.full, out=values)
@@ -113,7 +129,9 @@ def _check(**parameters: float) -> None:
         "alpha": (0.0, np.inf, False),
         "beta": (0.0, 1.0, True),
         "saturation": (0.0, np.inf, True),
+        "black": (0.0, 100.0, True),
         "white": (0.0, 100.0, False),
+        "floor": (0.0, np.inf, False),
         "gamma": (0.0, np.inf, False),
     }
     for name, value in parameters.items():
@@ -122,15 +140,10 @@ def _check(**parameters: float) -> None:
             lower = "from 0" if included else "above 0"
             upper = f" to {high:g}" if np.isfinite(high) else ""
             raise InputError(f"{name} is {value}, but must be a number {lower}{upper}")
-
-
-def _least(space: Space, dtype: np.dtype[Any], working: Values) -> Values:
-    """The least luminance."""
-    if dtype.kind == "u":
-        grey = space.to_working(np.full((1, 3), 0.5, space.dtype))
-        return space.brightness(grey)
-    largest = float(space.brightness(working).max())
-    return np.full((1, 1), max(largest, 1e-30) * LEAST, space.dtype)
+    if parameters["black"] >= parameters["white"]:
+        raise InputError(
+            f"black is {parameters['black']} and white {parameters['white']}, but black must be less"
+        )
 
 
 def _problem(logs: Values, factors: Values, space: Space) -> PoissonProblem:
@@ -138,20 +151,24 @@ def _problem(logs: Values, factors: Values, space: Space) -> PoissonProblem:
     gradient = Guidance.of(logs)
     across = ((factors[:, :-1] + factors[:, 1:]) / 2 - 1) * gradient.across
     down = ((factors[:-1] + factors[1:]) / 2 - 1) * gradient.down
-    # An error of u multiplies all values, once by itself and once by what becomes white.
-    level = 1 / (2 * 255 * space.expansion)
+    # An error of u multiplies all values, once by itself and once by what becomes white; as much again for stretching.
+    level = 1 / (4 * 255 * space.expansion)
     return PoissonProblem(
         np.ones(logs.shape, np.bool_), np.zeros_like(logs), Guidance(across, down), level=level
     )
 
 
-def _colored(working: Values, old: Values, new: Values, saturation: float, space: Space) -> Values:
+def _colored(
+    working: Values, haze: np.floating[Any], old: Values, new: Values, saturation: float, space: Space
+) -> Values:
     """Working values of the new luminance, with the colours of the old ones."""
-    if space.name == "lab":
-        colored: Values = working * (new / old) * working.dtype.type(saturation)
-        colored[:, :, :1] = new
-        return colored
     if working.shape[2] == 1:
         return new
-    ratio = working / old
-    return new * np.copysign(np.abs(ratio) ** ratio.dtype.type(saturation), ratio)
+    power = working.dtype.type(saturation)
+    if space.name == "lab":
+        colored: Values = working * (new / old) * power
+        colored[:, :, :1] = new
+        return colored
+    ratio = (working + haze) / old
+    weights: Values = np.copysign(np.abs(ratio) ** power, ratio)
+    return new * weights
