@@ -155,6 +155,7 @@ RELIGHTS = [
 THENS = [
     ([], {}),
     (["--focus", "1.5"], {"then": [editing.Scale(1.5)]}),
+    (["--focus", "0"], {"then": [editing.Scale(0)]}),
     (["--flatten", "--sigma", "0"], {"then": [editing.Sieve(sigma=0)]}),
     (["--relight", "--beta", ".3"], {"then": [editing.Attenuate(beta=0.3)]}),
     (
@@ -227,6 +228,7 @@ IN_PLACE = {
         "alpha": [([], {}), (["--alpha", ".2", "--beta", ".1"], {"alpha": 0.2, "beta": 0.1})],
         "saturation": [([], {}), (["--saturation", "1"], {"saturation": 1})],
         "white": [([], {}), (["--white", "90", "--gamma", "1.8"], {"white": 90, "gamma": 1.8})],
+        "black": [([], {}), (["--black", "2", "--floor", ".05"], {"black": 2, "floor": 0.05})],
     },
 }
 
