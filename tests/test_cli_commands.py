@@ -225,7 +225,7 @@ IN_PLACE = {
     "tonemap": {
         **WHOLE,
         "space": SPACES,
-        "alpha": [([], {}), (["--alpha", ".2", "--beta", ".1"], {"alpha": 0.2, "beta": 0.1})],
+        "alpha": [([], {}), (["--alpha", ".2", "--beta", ".2"], {"alpha": 0.2, "beta": 0.2})],
         "saturation": [([], {}), (["--saturation", "1"], {"saturation": 1})],
         "white": [([], {}), (["--white", "90", "--gamma", "1.8"], {"white": 90, "gamma": 1.8})],
         "black": [([], {}), (["--black", "2", "--floor", ".05"], {"black": 2, "floor": 0.05})],

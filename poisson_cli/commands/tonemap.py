@@ -31,7 +31,7 @@ __all__ = ["command"]
     "--beta",
     type=NUMBER,
     metavar="F",
-    default=0.15,
+    default=0.1,
     show_default=True,
     help="How much so: 0 is not at all.",
 )
@@ -44,12 +44,28 @@ __all__ = ["command"]
     help="How much of the colour to keep: 1 is all of it.",
 )
 @click.option(
+    "--black",
+    type=NOT_NEGATIVE,
+    metavar="PERCENT",
+    default=0.5,
+    show_default=True,
+    help="Share of the pixels that may become darker than they are, so that the others need not.",
+)
+@click.option(
     "--white",
     type=POSITIVE,
     metavar="PERCENT",
     default=99.5,
     show_default=True,
     help="Share of the pixels that stay below the greatest brightness.",
+)
+@click.option(
+    "--floor",
+    type=POSITIVE,
+    metavar="F",
+    default=0.01,
+    show_default=True,
+    help="What is darker than F times the lights counts for little: less for pictures of a large range.",
 )
 @click.option(
     "--gamma",
