@@ -85,7 +85,7 @@ def line(summary: Summary) -> str:
         f"{method} x {edit.iterations}",
         _error(edit),
     ]
-    if edit.floating:
+    if edit.floating and summary.selected is not None:  # of a whole picture that is understood
         parts.append("no known pixel around a part: its mean is kept")
     if edit.offset is not None:
         parts.append(f"patch from {_xy(edit.offset)} away")

@@ -78,6 +78,10 @@ def test_parts_of_the_line(changes, part):
     assert part in report.line(changed(**changes))
 
 
+def test_that_nothing_is_known_of_a_whole_picture_is_understood():
+    assert "no known pixel" not in report.line(changed(floating=True, selected=None))
+
+
 def test_the_details():
     told = changed(selected=13000, clipped=1, outliers=0.0123, overshoot=2.34)
     assert report.details(told).splitlines() == [
