@@ -261,33 +261,29 @@ def tonemap(
     image: Array,
     *,
     alpha: float = 0.1,
-    beta: float = 0.15,
+    beta: float = 0.1,
     saturation: float = 0.8,
+    black: float = 0.5,
     white: float = 99.5,
+    floor: float = 0.01,
     gamma: float = 1.0,
     space: str = "rgb",
 ) -> Array:
     """Fattal et al. 2002: the log luminance with its gradients attenuated on every scale, the natural condition around.
 
-    The new luminance is brought to where its percentile `white` is that of white, what is above it cut off, and raised
-    to 1 / gamma.  A colour is the new luminance times (old / old luminance)^saturation, in Lab its chroma times
-    saturation and the ratio of lightness.
+    Luminance and colours have `floor` times the percentile `white` of the luminance added to them.  The new luminance
+    is stretched: its percentile `white` becomes white, its percentile `black` is as far from that as it was; what leaves
+    the range is cut off, and the rest raised to 1 / gamma.  A colour is the new luminance times (old / old
+    luminance)^saturation, in Lab its chroma times saturation and the ratio of lightness, all of them with `floor` times
+    white added.
     """
     full = oracles.full_scale(image.dtype)
     values = oracles.working(image, full, space)
     coloured = values.ndim == 3 and values.shape[2] == 3
-    old = (
-        values[..., 0]
-        if space == "lab"
-        else oracles.grey(values)
-        if coloured
-        else values.reshape(image.shape[:2])
-    )
-    if np.issubdtype(image.dtype, np.integer):
-        least = float(oracles.working(np.full((1, 1, 3), 0.5), full, space)[0, 0, 0])
-    else:
-        least = old.max() / 2**20
-    old = np.maximum(old, least)
+    bright = values[..., :1] if space == "lab" else oracles.grey(values)[..., None] if coloured else values
+    bright = np.maximum(bright.reshape(image.shape[:2]), 0)
+    darkest, lightest = np.percentile(bright, black), np.percentile(bright, white)
+    old = bright + floor * lightest
     logarithm = np.log(old)
     factor = attenuation_on_all_scales(logarithm, alpha, beta)
     field = times(((factor[:, :-1] + factor[:, 1:]) / 2, (factor[:-1] + factor[1:]) / 2))(
@@ -295,12 +291,16 @@ def tonemap(
     )
     new = np.exp(oracles.solve(np.ones(old.shape, bool), logarithm, *field))
     brightest = float(oracles.working(np.full((1, 1, 3), full), full, space)[0, 0, 0])
-    new = brightest * np.minimum(new / np.percentile(new, white), 1) ** (1 / gamma)
+    low, high = np.percentile(new, black), np.percentile(new, white)
+    above_black = (new - low) / (high - low) * (1 - darkest / lightest)
+    new = brightest * np.clip(darkest / lightest + above_black, 0, 1) ** (1 / gamma)
+    haze = floor * brightest
     if space == "lab":
-        edited = np.stack([new, *(saturation * values[..., i] * new / old for i in (1, 2))], axis=-1)
+        chroma = [saturation * values[..., i] * (new + haze) / old for i in (1, 2)]
+        edited = np.stack([new, *chroma], axis=-1)
     elif coloured:
-        ratio = values / old[..., None]
-        edited = new[..., None] * np.sign(ratio) * np.abs(ratio) ** saturation
+        ratio = (values + floor * lightest) / old[..., None]
+        edited = (new[..., None] + haze) * np.sign(ratio) * np.abs(ratio) ** saturation - haze
     else:
         edited = new.reshape(image.shape)
     return np.clip(oracles.restored(edited, full, space), 0, full)
