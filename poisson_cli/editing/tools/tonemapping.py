@@ -42,10 +42,12 @@ def tonemap(
     a_k = alpha mean(n_k).  The product over all levels, enlarged linearly, is the factor of a pixel; that of a pixel
     pair is the mean of its two pixels'.
 
-    All gradients shrink, so that the new luminance exp(f) is stretched: its percentile `black` becomes 0 and its
-    percentile `white` full scale, what is beyond is cut off, and the rest is raised to 1 / gamma.  Colours are
-    new = newY ((old + e) / (Y + e))^saturation, channel by channel; in Lab a* and b* are multiplied by
-    saturation newL* / (L* + e).  The result is clipped to the range, for floats too.
+    All gradients shrink, so that the new luminance exp(f) is stretched: its percentile `white` becomes full scale, and
+    its percentile `black` that share of it which Y's was of Y's own percentile `white`: blacks stay as black as they
+    were.  What leaves the range is cut off, and the rest raised to 1 / gamma.  With e' = `floor` times full scale,
+    colours are new = (newY + e') ((old + e) / (Y + e))^saturation - e', channel by channel; in Lab a* and b* are
+    multiplied by saturation (newL* + e') / (L* + e).  The result is clipped to the range, for floats too.  Without
+    attenuation (beta 0, saturation 1) only the exposure changes.
 
     Parameters
     ----------
@@ -85,7 +87,8 @@ def tonemap(
     working = domain.to_working(stored)
     full = domain.brightness(domain.to_working(np.full((1, 3), domain.full, domain.dtype))).item()
     brightness = np.maximum(domain.brightness(working), 0)
-    haze = brightness.dtype.type(floor * (np.percentile(brightness, white) or full))
+    exposure = full / (float(np.percentile(brightness, white)) or full)
+    haze = brightness.dtype.type(floor * full / exposure)
     old = brightness + haze
 
     logs: Values = np.log(old[:, :, 0])
@@ -95,12 +98,9 @@ def tonemap(
     solved = perf_counter()
 
     new = np.exp(logs + result.solution)[:, :, np.newaxis]
-    lowest, highest = (new.dtype.type(p) for p in np.percentile(new, (black, white)))
-    if lowest < highest:
-        new -= lowest
-    new /= new.dtype.type(highest - lowest if lowest < highest else highest)
-    new = full * np.clip(new, 0, 1) ** new.dtype.type(1 / gamma)
-    values = domain.to_stored(_colored(working, haze, old, new, saturation, domain))
+    blackest = min(1.0, float(np.percentile(brightness, black)) * exposure / full)
+    new = full * _stretched(new, black, white, blackest) ** new.dtype.type(1 / gamma)
+    values = domain.to_stored(_colored(working, haze, old, new, floor * full, saturation, domain))
     clipped = tone.count_clipped(values, image.dtype)
     overshoot = tone.excess(values, image.dtype) / tone.level(image.dtype)
     np.clip(values, 0, domain.full, out=values)
@@ -158,17 +158,34 @@ def _problem(logs: Values, factors: Values, space: Space) -> PoissonProblem:
     )
 
 
+def _stretched(new: Values, black: float, white: float, blackest: float) -> Values:
+    """Two percentiles become `blackest` and 1; clipped to 0..1."""
+    low, high = (float(p) for p in np.percentile(new, (black, white)))
+    if low == high:  # a single brightness
+        low, blackest = 0.0, 0.0
+    kind: Any = new.dtype.type
+    stretched: Values = (new - kind(low)) * kind((1 - blackest) / (high - low)) + kind(blackest)
+    np.clip(stretched, 0, 1, out=stretched)
+    return stretched
+
+
 def _colored(
-    working: Values, haze: np.floating[Any], old: Values, new: Values, saturation: float, space: Space
+    working: Values,
+    haze: np.floating[Any],
+    old: Values,
+    new: Values,
+    new_haze: float,
+    saturation: float,
+    space: Space,
 ) -> Values:
     """Working values of the new luminance, with the colours of the old ones."""
     if working.shape[2] == 1:
         return new
-    power = working.dtype.type(saturation)
+    kind = working.dtype.type
     if space.name == "lab":
-        colored: Values = working * (new / old) * power
+        colored: Values = working * ((new + kind(new_haze)) / old) * kind(saturation)
         colored[:, :, :1] = new
         return colored
     ratio = (working + haze) / old
-    weights: Values = np.copysign(np.abs(ratio) ** power, ratio)
-    return new * weights
+    weights: Values = np.copysign(np.abs(ratio) ** kind(saturation), ratio)
+    return (new + kind(new_haze)) * weights - kind(new_haze)
