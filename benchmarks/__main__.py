@@ -1,4 +1,6 @@
-"""`python -m benchmarks [paper | convergence | sizes | shapes | memory | startup]`: parse, one thread each, hand over.
+"""`python -m benchmarks [paper | tools | convergence | sizes | shapes | memory | startup]`: parse and hand over.
+
+Whatever is timed has one thread.
 
 Exit codes: 0 every answer was right, 1 some answer was wrong (the table says which), 2 usage.
 """
@@ -59,6 +61,11 @@ def parser() -> argparse.ArgumentParser:
         help="the paper's case, a disk of 60,000 pixels in colour: everyone",
     )
     paper.add_argument("--slow", action="store_true", help="also run what takes more than a minute a time")
+    commands.add_parser(
+        "tools",
+        parents=[shared, timed, peered],
+        help="every tool on that disk, beside OpenCV's of the same purpose",
+    )
     commands.add_parser("convergence", parents=[shared], help="convergence factor per region shape and cycle")
     shapes = commands.add_parser(
         "shapes", parents=[shared, timed], help="time and true error per region shape"

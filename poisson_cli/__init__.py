@@ -15,7 +15,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from poisson_cli.api import clone, fill, mix
+    from poisson_cli.api import clone, fill, flatten, focus, heal, mix, recolor, relight, tile, tonemap
     from poisson_cli.errors import InputError, NotConverged, OutputError, PoissonError
 
 __version__ = "0.1.0"
@@ -28,13 +28,27 @@ __all__ = [
     "__version__",
     "clone",
     "fill",
+    "flatten",
+    "focus",
+    "heal",
     "mix",
+    "recolor",
+    "relight",
+    "tile",
+    "tonemap",
 ]
 
 _HOMES = {
     "clone": "poisson_cli.api",
     "fill": "poisson_cli.api",
+    "flatten": "poisson_cli.api",
+    "focus": "poisson_cli.api",
+    "heal": "poisson_cli.api",
     "mix": "poisson_cli.api",
+    "recolor": "poisson_cli.api",
+    "relight": "poisson_cli.api",
+    "tile": "poisson_cli.api",
+    "tonemap": "poisson_cli.api",
     "InputError": "poisson_cli.errors",
     "NotConverged": "poisson_cli.errors",
     "OutputError": "poisson_cli.errors",

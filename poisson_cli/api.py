@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from poisson_cli import editing
 
-__all__ = ["clone", "fill", "mix"]
+__all__ = ["clone", "fill", "flatten", "focus", "heal", "mix", "recolor", "relight", "tile", "tonemap"]
 
 _P = ParamSpec("_P")
 
@@ -36,3 +36,10 @@ def _image_of(tool: Callable[_P, editing.Edit]) -> Callable[_P, NDArray[Any]]:
 clone = _image_of(editing.clone)
 mix = _image_of(editing.mix)
 fill = _image_of(editing.fill)
+flatten = _image_of(editing.flatten)
+relight = _image_of(editing.relight)
+recolor = _image_of(editing.recolor)
+focus = _image_of(editing.focus)
+tile = _image_of(editing.tile)
+tonemap = _image_of(editing.tonemap)
+heal = _image_of(editing.heal)

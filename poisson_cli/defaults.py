@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-__all__ = ["CYCLE", "THRESHOLD", "TOLERANCE"]
+__all__ = ["ALPHA", "BETA", "CYCLE", "HIGH", "LOW", "SIGMA", "THRESHOLD", "TOLERANCE"]
 
 TOLERANCE: Final = 2e-4
 """Largest error allowed in any pixel, in levels; that of ``solvers``."""
@@ -14,3 +14,12 @@ CYCLE: Final = "F"
 
 THRESHOLD: Final = 128
 """8-bit value from which a pixel of a mask picture is selected."""
+
+LOW: Final = 6
+HIGH: Final = 12
+SIGMA: Final = 1
+"""Canny's thresholds, in levels per pixel, and the blur before it, in pixels; those of ``flatten``."""
+
+ALPHA: Final = 0.2
+BETA: Final = 0.2
+"""What eq. (16) attenuates by; those of ``relight``."""

@@ -9,21 +9,25 @@ from __future__ import annotations
 import dataclasses
 import functools
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from poisson_cli import answering, editing
+from poisson_cli import answering, editing, steps
 from poisson_cli.errors import InputError
-from poisson_cli.images import Picture, prepare, read, write
+from poisson_cli.images import Picture, Target, prepare, read, refuse_doubles, write_together
 from poisson_cli.masks import Canvas, select
-from poisson_cli.settings import Output, Placement, Selection, Solver
+from poisson_cli.settings import Edges, Output, Placement, Selection, Solver, Then
 
-__all__ = ["Job", "Summary", "run"]
+__all__ = ["Job", "Progress", "Summary", "run", "run_together"]
+
+Progress = Callable[[int, float], None]
+"""Called as the solver goes, with the cycles or sweeps so far and the estimated error in levels."""
 
 
 @dataclass(frozen=True)
@@ -36,27 +40,36 @@ class Job:
         Name of a function in `poisson_cli.editing`.
     destination
         The picture that is edited.
-    selection
-        Which pixels.
     output
         Where the result goes.
+    selection
+        Which pixels; None for a tool that edits the whole picture.
     source
         The picture whose gradients are cloned; None for a tool that needs none.
     placement
         Where the source lies; of no effect without one.
     solver
         How the equations are solved.
+    then
+        What is done to the gradients that are imported, for a tool that imports any; None for the others.
+    edges
+        Where the edges of the picture are, for a tool that flattens it; None for the others.
+    preview
+        Where to write the result three times three, side by side; None for nowhere.
     parameters
         Further keywords of the tool.
     """
 
     tool: str
     destination: Path
-    selection: Selection
     output: Output
+    selection: Selection | None = None
     source: Path | None = None
     placement: Placement = Placement()
     solver: Solver = Solver()
+    then: Then | None = None
+    edges: Edges | None = None
+    preview: Path | None = None
     parameters: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -69,23 +82,29 @@ class Summary:
     edit
         What the tool says.
     selected
-        Pixels in the selection, before any of them fell off the destination.
+        Pixels in the selection, before any of them fell off the destination; None where nothing is selected.
     output
         The file that was written.
     seconds
         Seconds per stage in order, reading and writing included.
     profile_dropped
         Whether the destination's ICC profile had to stay behind, because the format cannot hold it.
+    beside
+        Other files that were written: what they show, and where.
+    guarded
+        Whether anything was done against colours that bleed in.
     """
 
     edit: editing.EditReport
-    selected: int
+    selected: int | None
     output: Path
     seconds: Mapping[str, float]
     profile_dropped: bool
+    beside: Mapping[str, Path] = field(default_factory=dict)
+    guarded: bool = False
 
 
-def run(job: Job, progress: Callable[[int, float], None] | None = None) -> Summary:
+def run(job: Job, progress: Progress | None = None) -> Summary:
     """Do a job.
 
     Parameters
@@ -93,7 +112,7 @@ def run(job: Job, progress: Callable[[int, float], None] | None = None) -> Summa
     job
         What to do.
     progress
-        Called as the solver goes, with the cycles or sweeps so far and the estimated error in levels.
+        Called as the solver goes.
 
     Returns
     -------
@@ -105,40 +124,167 @@ def run(job: Job, progress: Callable[[int, float], None] | None = None) -> Summa
     InputError, OutputError, NotConverged
         Nothing was written.
     """
-    seconds: dict[str, float] = {}
-    target = prepare(job.output.path, overwrite=job.output.overwrite)
+    (summary,) = run_together([job], progress)
+    return summary
+
+
+def run_together(jobs: Sequence[Job], progress: Progress | None = None) -> list[Summary]:
+    """Do several jobs on aligned pictures: all of them, or none.
+
+    Parameters
+    ----------
+    jobs
+        What to do; their destinations must have one size.
+    progress
+        Called as the solver goes.
+
+    Returns
+    -------
+    list of Summary
+        What was done, in the order of the jobs; all outputs are on the disk. Each has its share of the time that
+        writing took.
+
+    Raises
+    ------
+    InputError, OutputError, NotConverged
+        Nothing was written.
+    """
+    targets = [_targets(job) for job in jobs]
+    refuse_doubles([target for one in targets for target in one.values()])
+    stages: list[dict[str, float]] = [{} for _ in jobs]
+    inputs = [_read(*one) for one in zip(jobs, targets, stages, strict=True)]
+    _refuse_misaligned([one.destination for one in inputs])
+    made = [_make(*one, progress) for one in zip(jobs, inputs, stages, strict=True)]
+    outputs = [
+        (files[what], picture)
+        for files, one in zip(targets, made, strict=True)
+        for what, picture in one.pictures.items()
+    ]
+    started = time.perf_counter()
+    write_together(outputs)
+    share = (time.perf_counter() - started) / len(jobs)
+    return [
+        _summary(job, one, files, {**seconds, "write": share})
+        for job, one, files, seconds in zip(jobs, made, targets, stages, strict=True)
+    ]
+
+
+class _Inputs(NamedTuple):
+    """The pictures of a job."""
+
+    destination: Picture
+    source: Picture | None
+
+
+class _Made(NamedTuple):
+    """What became of a job: the report, the pixels selected, and the pictures to write, by what they are."""
+
+    report: editing.EditReport
+    selected: int | None
+    pictures: dict[str, Picture]
+
+
+def _targets(job: Job) -> dict[str, Target]:
+    """Look at everything that will be written, before any work is done for it."""
+    edges = _edges(job)
+    wanted = {
+        "result": job.output.path,
+        "edges": None if edges is None else edges.show,
+        "preview": job.preview,
+    }
+    return {
+        what: prepare(path, overwrite=job.output.overwrite)
+        for what, path in wanted.items()
+        if path is not None
+    }
+
+
+def _read(job: Job, targets: Mapping[str, Target], seconds: dict[str, float]) -> _Inputs:
+    """Read the pictures."""
     with _timed(seconds, "read"):
         destination = read(job.destination)
-        target.check_fits(destination)
-        source = None if job.source is None else _read_source(job, destination)
-    with _timed(seconds, "select"):
-        mask = select(job.selection, _canvas(job, destination, source))
+        for what in targets.keys() & {"result", "preview"}:
+            targets[what].check_fits(destination)
+        return _Inputs(destination, None if job.source is None else _read_source(job, destination))
+
+
+def _make(job: Job, inputs: _Inputs, seconds: dict[str, float], progress: Progress | None) -> _Made:
+    """Select, and let the tool do its work."""
+    destination, source = inputs
     tool: Callable[..., editing.Edit] = getattr(editing, job.tool)
+    arrays: list[NDArray[Any]] = [picture.pixels for picture in inputs if picture is not None]
     keywords = {**dataclasses.asdict(job.solver), "progress": progress, **job.parameters}
-    if source is None:
-        work = functools.partial(tool, destination.pixels, mask, **keywords)
-    else:
-        work = functools.partial(
-            tool,
-            destination.pixels,
-            source.pixels,
-            mask,
-            offset=job.placement.offset,
-            mask_on=job.placement.mask_on,
-            **keywords,
-        )
-    edit = answering.do(work)
+    selected = None
+    if source is not None:
+        keywords |= dataclasses.asdict(job.placement)
+    if job.selection is not None:
+        with _timed(seconds, "select"):
+            mask = select(job.selection, _canvas(job, destination, source))
+        selected = int(np.count_nonzero(mask))
+        arrays.append(mask)
+    edges, edges_of = _edges(job), source or destination
+    sieve = None if edges is None else steps.edge_keywords(edges, edges_of)
+    if job.then is not None:
+        keywords["then"] = steps.transforms(job.then, sieve)
+    elif sieve is not None:
+        keywords |= sieve
+    edit = answering.do(functools.partial(tool, *arrays, **keywords))
     seconds |= edit.report.seconds
-    with _timed(seconds, "write"):
-        write(target, dataclasses.replace(destination, pixels=edit.image))
-    profile = destination.profile
-    return Summary(
-        edit=edit.report,
-        selected=int(np.count_nonzero(mask)),
-        output=job.output.path,
-        seconds=seconds,
-        profile_dropped=profile is not None and not target.form.can_hold_profile(profile),
+    result = dataclasses.replace(destination, pixels=edit.image, alpha=_alpha(job, destination))
+    pictures = {"result": result}
+    if edges is not None and sieve is not None and edges.show is not None:
+        pictures["edges"] = Picture(str(edges.show), steps.drawn_edges(edges_of, **sieve))
+    if job.preview is not None:
+        pictures["preview"] = _three_times_three(result)
+    return _Made(edit.report, selected, pictures)
+
+
+def _edges(job: Job) -> Edges | None:
+    """Where edges are, if anything is flattened."""
+    return job.edges if job.then is None else job.then.flatten
+
+
+def _alpha(job: Job, destination: Picture) -> NDArray[np.uint8] | None:
+    """The destination's opacity, cut out where the tool cuts something out."""
+    rectangle = job.parameters.get("rect")
+    if destination.alpha is None or rectangle is None:
+        return destination.alpha
+    row, col, height, width = rectangle
+    return destination.alpha[row : row + height, col : col + width]
+
+
+def _three_times_three(picture: Picture) -> Picture:
+    """A picture side by side with itself, to see whether it tiles."""
+    return dataclasses.replace(
+        picture,
+        pixels=np.tile(picture.pixels, (3, 3, 1)[: picture.pixels.ndim]),
+        alpha=None if picture.alpha is None else np.tile(picture.alpha, (3, 3)),
     )
+
+
+def _summary(job: Job, made: _Made, targets: Mapping[str, Target], seconds: Mapping[str, float]) -> Summary:
+    """What to say of a job whose files are on the disk."""
+    profile = made.pictures["result"].profile
+    return Summary(
+        edit=made.report,
+        selected=made.selected,
+        output=targets["result"].path,
+        seconds=seconds,
+        profile_dropped=profile is not None and not targets["result"].form.can_hold_profile(profile),
+        beside={what: target.path for what, target in targets.items() if what != "result"},
+        guarded=bool(job.parameters.get("screen") or job.parameters.get("robust")),
+    )
+
+
+def _refuse_misaligned(pictures: Sequence[Picture]) -> None:
+    """Refuse pictures that cannot be edited alike, because their sizes differ."""
+    first = pictures[0]
+    for picture in pictures[1:]:
+        if picture.shape != first.shape:
+            raise InputError(
+                f"{first.name} is {first.size}, but {picture.name} is {picture.size}; pictures that belong together "
+                "have one size: edit these one by one"
+            )
 
 
 def _read_source(job: Job, destination: Picture) -> Picture:

@@ -52,7 +52,7 @@ class _CommandFolder(click.Group):
 )
 @click.version_option(__version__, prog_name="poisson")
 def cli() -> None:
-    """Edit photographs by their gradients, exactly: seamless cloning, mixing and filling
+    """Edit photographs by their gradients, exactly: clone, mix and fill, change texture, light and colours, make tiles
     (Perez, Gangnet and Blake, Poisson Image Editing, 2003).
 
     Only the pixels that you select change. All others keep their values, bit for bit.

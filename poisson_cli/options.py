@@ -1,7 +1,8 @@
 """Options that subcommands share.
 
-Each decorator here adds a bundle of options and hands the command *one* frozen value built from them, under the
-decorator's own name. What the values mean is said in `settings`; this module only parses.
+Most decorators here add a bundle of options and hand the command *one* frozen value built from them, under the
+decorator's own name. What the values mean is said in `settings`; this module only parses. A few add options that are
+keywords of the tools, and hand them over as they are.
 """
 
 from __future__ import annotations
@@ -14,14 +15,38 @@ import click
 from click.core import ParameterSource
 
 from poisson_cli import defaults
-from poisson_cli.params import COUNT, EIGHT_BIT, FILE, POINT, POSITIVE, RECTANGLE
+from poisson_cli.params import COUNT, EIGHT_BIT, FILE, NOT_NEGATIVE, NUMBER, POINT, POSITIVE, RECTANGLE
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from poisson_cli.settings import Output, Placement, Rectangle, Reporting, Selection, Solver
+    from poisson_cli.settings import (
+        Edges,
+        Output,
+        Placement,
+        Rectangle,
+        Reporting,
+        Selection,
+        Solver,
+        Then,
+    )
 
-__all__ = ["Chatter", "output", "placement", "reporting", "selection", "solver"]
+__all__ = [
+    "Chatter",
+    "bleeding",
+    "edges",
+    "output",
+    "outputs",
+    "placement",
+    "relight",
+    "reporting",
+    "rescale",
+    "screen",
+    "selection",
+    "solver",
+    "space",
+    "then",
+]
 
 _Command = Callable[..., None]
 _Decorator = Callable[[_Command], _Command]
@@ -144,6 +169,171 @@ selection: Final = _bundle(
 )
 
 
+def _several(*options: _Decorator) -> _Decorator:
+    """Options that go together, each handed over under its own name: that of the tool's keyword."""
+
+    def decorate(command: _Command) -> _Command:
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return decorate
+
+
+space: Final = click.option(
+    "--space",
+    type=click.Choice(["rgb", "linear", "lab"]),
+    default="rgb",
+    show_default=True,
+    help="Values to work on: as they are stored, linear light, or CIE-Lab.",
+)
+
+rescale: Final = click.option(
+    "--rescale",
+    is_flag=True,
+    help="Where values would leave the range, weaken the gradients inside the selection until none does, rather than "
+    "clip.",
+)
+
+screen: Final = click.option(
+    "--screen",
+    type=NOT_NEGATIVE,
+    metavar="F",
+    default=0.0,
+    help="Against colours that bleed in from the border: bring the source's own colours back from about 1/sqrt(F) "
+    "pixels inside; try .001. Off by default.",
+)
+
+bleeding: Final = _several(
+    screen,
+    click.option(
+        "--robust",
+        is_flag=True,
+        help="Against colours that bleed in: where the two pictures differ far more than along the rest of the border, "
+        "let the difference count less.",
+    ),
+)
+
+relight: Final = _several(
+    click.option(
+        "--alpha",
+        type=POSITIVE,
+        metavar="F",
+        default=defaults.ALPHA,
+        show_default=True,
+        help="Gradients of the logarithm above F times their mean become weaker, those below it stronger.",
+    ),
+    click.option(
+        "--beta",
+        type=NUMBER,
+        metavar="F",
+        default=defaults.BETA,
+        show_default=True,
+        help="How much so: 0 is not at all; a negative number does the reverse.",
+    ),
+)
+
+
+def _edges(low: float, high: float, sigma: float, file: Path | None, show: Path | None) -> Edges:
+    from poisson_cli.settings import Edges
+
+    if file is not None and (useless := _given("low", "high", "sigma")):
+        raise click.UsageError(f"{useless[0]} is for finding edges; with --edges there is nothing to find.")
+    if low > high:
+        raise click.UsageError(f"--low is {low:g}, above --high, which is {high:g}.")
+    return Edges(file=file, low=low, high=high, sigma=sigma, show=show)
+
+
+def _edge_options(picture: str) -> tuple[_Decorator, ...]:
+    """The options that say where edges are in a picture, called by its role."""
+    return (
+        click.option(
+            "--low",
+            type=NOT_NEGATIVE,
+            metavar="F",
+            default=defaults.LOW,
+            show_default=True,
+            help="An edge goes on while the brightness changes by more than this, in levels per pixel (Canny's lower "
+            "threshold).",
+        ),
+        click.option(
+            "--high",
+            type=NOT_NEGATIVE,
+            metavar="F",
+            default=defaults.HIGH,
+            show_default=True,
+            help="An edge changes by more than this somewhere: a larger number leaves fewer edges.",
+        ),
+        click.option(
+            "--sigma",
+            type=NOT_NEGATIVE,
+            metavar="PIXELS",
+            default=defaults.SIGMA,
+            show_default=True,
+            help="Blur before edges are sought: a larger number finds larger shapes only; 0 is none.",
+        ),
+        click.option(
+            "--edges",
+            "file",
+            type=FILE,
+            help=f"Picture of the {picture}'s size that is white on edges, instead of finding them.",
+        ),
+        click.option(
+            "--show-edges",
+            "show",
+            type=FILE,
+            help=f"Also write the {picture}'s edges that were used, white on black.",
+        ),
+    )
+
+
+edges: Final = _bundle("edges", _edges, _edge_options("image"))
+
+
+def _then(flatten: bool, focus: float | None, relight: bool, **choices: Any) -> Then:
+    from poisson_cli.settings import Relight, Then
+
+    def chosen(step: bool, switch: str, build: Callable[..., Any], names: Sequence[str]) -> Any:
+        if not step and (useless := _given(*names)):
+            raise click.UsageError(f"{useless[0]} belongs to {switch}; add that.")
+        return build(**{name: choices[name] for name in names}) if step else None
+
+    return Then(
+        flatten=chosen(flatten, "--flatten", _edges, ("low", "high", "sigma", "file", "show")),
+        focus=focus,
+        relight=chosen(relight, "--relight", Relight, ("alpha", "beta")),
+    )
+
+
+then: Final = _bundle(
+    "then",
+    _then,
+    (
+        click.option("--flatten", is_flag=True, help="Import only gradients across edges of the source."),
+        *_edge_options("source"),
+        click.option(
+            "--focus",
+            type=NOT_NEGATIVE,
+            metavar="F",
+            help="Multiply the imported gradients: above 1 sharper, below 1 softer.",
+        ),
+        click.option("--relight", is_flag=True, help="Even out the imported gradients, large and small."),
+        relight,
+    ),
+)
+
+
+def _given(*names: str) -> list[str]:
+    """Those of these options that are on the command line, as they are written there."""
+    context = click.get_current_context()
+    return [
+        parameter.opts[-1]
+        for parameter in context.command.params
+        if parameter.name in names
+        and context.get_parameter_source(parameter.name) is not ParameterSource.DEFAULT
+    ]
+
+
 def _solver(solver: Literal["multigrid", "sor"], **choices: Any) -> Solver:
     from poisson_cli.settings import Solver
 
@@ -221,6 +411,29 @@ output: Final = _bundle(
             "exact: it changes pixels everywhere a little.",
         ),
         click.option("--overwrite", is_flag=True, help="Replace the output if it exists."),
+    ),
+)
+
+
+def _outputs(paths: tuple[Path, ...], overwrite: bool) -> tuple[Output, ...]:
+    return tuple(_output(path, overwrite) for path in paths)
+
+
+outputs: Final = _bundle(
+    "outputs",
+    _outputs,
+    (
+        click.option(
+            "-o",
+            "--output",
+            "paths",
+            type=FILE,
+            required=True,
+            multiple=True,
+            help="File to write, once for each picture in the same order; or once, a folder that exists, where each "
+            "keeps its name. Formats as for the input.",
+        ),
+        click.option("--overwrite", is_flag=True, help="Replace the outputs that exist."),
     ),
 )
 

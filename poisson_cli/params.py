@@ -9,13 +9,24 @@ from typing import TYPE_CHECKING, Final
 import click
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
     from click.shell_completion import CompletionItem
 
     from poisson_cli.settings import Rectangle
 
-__all__ = ["COUNT", "EIGHT_BIT", "FILE", "POINT", "POSITIVE", "RECTANGLE"]
+__all__ = [
+    "COUNT",
+    "EIGHT_BIT",
+    "FACTORS",
+    "FILE",
+    "NOT_NEGATIVE",
+    "NUMBER",
+    "POINT",
+    "POSITIVE",
+    "RECTANGLE",
+]
 
 _INTEGER: Final = re.compile(r"[+-]?[0-9]{1,9}")
 """At most nine digits: any picture fits, and no sum or product of two of them leaves 64 bits."""
@@ -103,19 +114,49 @@ class _Between(click.ParamType):  # type: ignore[type-arg]
         return int(value)
 
 
-class _Positive(click.ParamType):  # type: ignore[type-arg]
-    """A finite number greater than zero (click's FLOAT lets nan and inf through)."""
+def _finite(text: str | float) -> float:
+    """A finite number, or nan for anything else (click's FLOAT lets nan and inf through)."""
+    try:
+        number = float(text)
+    except ValueError:
+        return math.nan
+    return number if math.isfinite(number) else math.nan
+
+
+class _Number(click.ParamType):  # type: ignore[type-arg]
+    """A finite number, and what it must be."""
 
     name = "number"
 
+    def __init__(self, requirement: str, allowed: Callable[[float], bool]) -> None:
+        self._requirement = requirement
+        self._allowed = allowed
+
     def convert(self, value: str | float, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        try:
-            number = float(value)
-        except ValueError:
-            number = math.nan
-        if not (math.isfinite(number) and number > 0):
-            self.fail(f"{value!r} is not a number greater than 0", param, ctx)
+        number = _finite(value)
+        if not self._allowed(number):
+            self.fail(f"{value!r} is not a number{self._requirement}", param, ctx)
         return number
+
+
+class _Factors(click.ParamType):  # type: ignore[type-arg]
+    """``R,G,B``: a factor of at least 0 for each colour."""
+
+    name = "R,G,B"
+
+    def convert(
+        self,
+        value: str | tuple[float, float, float],
+        param: click.Parameter | None,
+        ctx: click.Context | None,
+    ) -> tuple[float, float, float]:
+        if isinstance(value, tuple):
+            return value
+        factors = [_finite(field) for field in value.split(",")]
+        if len(factors) != 3 or not all(factor >= 0 for factor in factors):
+            self.fail(f"{value!r} is not R,G,B: three numbers, 0 or more, for example 1.5,.5,.5", param, ctx)
+        red, green, blue = factors
+        return red, green, blue
 
 
 FILE: Final = _File()
@@ -123,4 +164,7 @@ POINT: Final = _Point("X,Y", "40,-12")
 RECTANGLE: Final = _Rectangle("X,Y,W,H", "10,20,300,200")
 EIGHT_BIT: Final = _Between(1, 255)
 COUNT: Final = _Between(1, 999_999_999)
-POSITIVE: Final = _Positive()
+NUMBER: Final = _Number("", lambda number: not math.isnan(number))
+NOT_NEGATIVE: Final = _Number(", 0 or greater", lambda number: number >= 0)
+POSITIVE: Final = _Number(" greater than 0", lambda number: number > 0)
+FACTORS: Final = _Factors()

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import math
 import sys
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, Any, Final, TextIO
 
 from poisson_cli.streams import silence
 
@@ -17,7 +17,21 @@ if TYPE_CHECKING:
     from poisson_cli.job import Summary
     from poisson_cli.settings import Reporting
 
-__all__ = ["as_dict", "details", "line", "tell"]
+__all__ = ["as_dict", "details", "hints", "line", "tell"]
+
+LARGE_MISMATCH: Final = 100.0
+"""Levels between source and destination, the mean along the border, from which a clone is unlike its source.
+
+Half of that is nothing unusual in good clones: an even shift of brightness is what cloning is for.
+"""
+
+_MOVE: Final = "move the border to where they are alike, or keep the source's colours with --screen .001"
+_AGAINST_BLEEDING: Final = {
+    "clone": _MOVE,
+    "mix": _MOVE,
+    "heal": "name a patch that is more like the surroundings, with --from",
+}
+"""What helps, for each tool that imports gradients from elsewhere."""
 
 
 def tell(summary: Summary, reporting: Reporting) -> None:
@@ -34,10 +48,10 @@ def tell(summary: Summary, reporting: Reporting) -> None:
     """
     if not reporting.quiet:
         _print(line(summary), sys.stderr)
-        if summary.edit.advice is not None:
-            _print(f"poisson: hint: {summary.edit.advice}", sys.stderr)
-    if reporting.verbose:
-        _print(details(summary), sys.stderr)
+        if reporting.verbose:
+            _print(details(summary), sys.stderr)
+        for hint in hints(summary):
+            _print(f"poisson: hint: {hint}", sys.stderr)
     if reporting.json:
         _print(json.dumps(as_dict(summary)), sys.stdout)
 
@@ -71,14 +85,42 @@ def line(summary: Summary) -> str:
         f"{method} x {edit.iterations}",
         _error(edit),
     ]
-    if edit.floating:
+    if edit.floating and summary.selected is not None:  # of a whole picture that is understood
         parts.append("no known pixel around a part: its mean is kept")
+    if edit.offset is not None:
+        parts.append(f"patch from {_xy(edit.offset)} away")
+    if edit.edge_share is not None:
+        parts.append(f"{edit.edge_share:.1%} edges")
+    if edit.scale != 1:
+        parts.append(f"gradients x {edit.scale:.2g} to fit the range")
     if edit.clipped:
         parts.append(f"{_counted(edit.clipped, 'value')} clipped")
     if summary.profile_dropped:
         parts.append("colour profile dropped: the format cannot hold it")
     parts.append(_duration(sum(summary.seconds.values())))
-    return f"{', '.join(parts)} -> {summary.output}"
+    beside = "".join(f", {what} -> {path}" for what, path in summary.beside.items())
+    return f"{', '.join(parts)} -> {summary.output}{beside}"
+
+
+def hints(summary: Summary) -> list[str]:
+    """What would have been better, each in one line.
+
+    Parameters
+    ----------
+    summary
+        What was done.
+    """
+    edit = summary.edit
+    found = [] if edit.advice is None else [edit.advice]
+    mismatch = max(edit.boundary_mismatch or (0.0,))
+    if edit.tool in _AGAINST_BLEEDING and mismatch >= LARGE_MISMATCH and not summary.guarded:
+        found.append(
+            f"along the border the pictures differ by {mismatch:.0f} levels on average, so that colours bleed in; "
+            + _AGAINST_BLEEDING[edit.tool]
+        )
+    if edit.edge_share == 0:
+        found.append("there is no edge in the selection, so that all detail is gone; lower --high and --low")
+    return found
 
 
 def details(summary: Summary) -> str:
@@ -95,19 +137,26 @@ def details(summary: Summary) -> str:
         Indented lines without a final newline.
     """
     edit = summary.edit
-    inside = "all of them" if edit.unknowns == summary.selected else f"{edit.unknowns:,} of them"
-    rows = [("selected", f"{_counted(summary.selected, 'pixel')}, {inside} inside the picture")]
+    rows = []
+    if summary.selected is not None:
+        inside = "all of them" if edit.unknowns == summary.selected else f"{edit.unknowns:,} of them"
+        rows.append(("selected", f"{_counted(summary.selected, 'pixel')}, {inside} inside the picture"))
     if edit.boundary_mismatch is not None:
         mismatch = ", ".join(f"{value:.1f}" for value in edit.boundary_mismatch)
+        outliers = "" if edit.outliers is None else f"; exceptional at {edit.outliers:.1%} of it"
         rows.append(
-            ("mismatch", f"{mismatch} levels between source and destination along the boundary, mean")
+            (
+                "mismatch",
+                f"{mismatch} levels between source and destination along the boundary, mean{outliers}",
+            )
         )
     rows.append(("method", edit.method))
     proven = "" if edit.error_bound is None else f", {_proven(edit.error_bound)}"
     rows.append(
         ("error", f"{edit.error_estimate:.2g} levels estimated{proven}, {edit.tolerance:.2g} allowed")
     )
-    rows.append(("clipped", f"{_counted(edit.clipped, 'value')} outside 0..255"))
+    farthest = f", by {edit.overshoot:.1f} levels at most" if edit.overshoot > 0 else ""
+    rows.append(("clipped", f"{_counted(edit.clipped, 'value')} outside 0..255{farthest}"))
     rows.append(
         ("stages", ", ".join(f"{name} {_duration(spent)}" for name, spent in summary.seconds.items()))
     )
@@ -125,14 +174,17 @@ def as_dict(summary: Summary) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``region``: pixels selected; ``unknowns``: those of them on the destination, in ``rectangle``; errors and
-        ``boundary_mismatch`` in levels; ``seconds`` per stage and in ``total``.
+        ``region``: pixels selected, null for a tool that needs no selection; ``unknowns``: those of them on the
+        destination, in ``rectangle``; errors, ``boundary_mismatch`` and ``overshoot`` in levels; ``outliers`` and
+        ``edge_share`` from 0 to 1; ``scale``: what the gradients were multiplied by to fit the range; ``offset``: where
+        a patch came from; ``beside``: other files that were written; ``seconds`` per stage and in ``total``.
     """
     edit = summary.edit
     row, col, height, width = edit.rectangle
     return {
         "tool": edit.tool,
         "output": str(summary.output),
+        "beside": {what: str(path) for what, path in summary.beside.items()},
         "region": summary.selected,
         "rectangle": {"x": col, "y": row, "width": width, "height": height},
         "unknowns": edit.unknowns,
@@ -147,8 +199,15 @@ def as_dict(summary: Summary) -> dict[str, Any]:
         else None,
         "floating": edit.floating,
         "boundary_mismatch": None if edit.boundary_mismatch is None else list(edit.boundary_mismatch),
+        "outliers": edit.outliers,
+        "space": edit.space,
+        "overshoot": edit.overshoot,
         "clipped": edit.clipped,
+        "scale": edit.scale,
+        "offset": None if edit.offset is None else {"x": edit.offset[1], "y": edit.offset[0]},
+        "edge_share": edit.edge_share,
         "advice": edit.advice,
+        "hints": hints(summary),
         "profile_dropped": summary.profile_dropped,
         "seconds": {**summary.seconds, "total": sum(summary.seconds.values())},
     }
@@ -163,6 +222,11 @@ def _error(edit: EditReport) -> str:
 
 def _proven(bound: float) -> str:
     return f"at most {bound:.2g} proven" if math.isfinite(bound) else "no bound proven"
+
+
+def _xy(offset: tuple[int, int]) -> str:
+    row, col = offset
+    return f"{col},{row}"
 
 
 def _counted(number: int, noun: str) -> str:

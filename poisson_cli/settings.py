@@ -13,12 +13,15 @@ from typing import Literal, NamedTuple
 from poisson_cli import defaults
 
 __all__ = [
+    "Edges",
     "Output",
     "Placement",
     "Rectangle",
+    "Relight",
     "Reporting",
     "Selection",
     "Solver",
+    "Then",
 ]
 
 
@@ -95,6 +98,54 @@ class Solver:
     max_iterations: int | None = None
     threads: int | None = None
     certify: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Edges:
+    """Where edges are, for a flattening.
+
+    Parameters
+    ----------
+    file
+        Picture that is white on edges; None to find them.
+    low, high, sigma
+        What Canny's detector finds them by: both thresholds, in levels per pixel, and the blur in pixels.
+    show
+        Where to write the edges that were used, white on black; None for nowhere. Of an import, those of the source.
+    """
+
+    file: Path | None = None
+    low: float = defaults.LOW
+    high: float = defaults.HIGH
+    sigma: float = defaults.SIGMA
+    show: Path | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Relight:
+    """How strongly gradients are evened out, eq. (16); the fields are those of `poisson_cli.editing.Attenuate`."""
+
+    alpha: float = defaults.ALPHA
+    beta: float = defaults.BETA
+
+
+@dataclass(frozen=True, slots=True)
+class Then:
+    """What else is done to the gradients that a clone imports, in this order; None is nothing.
+
+    Parameters
+    ----------
+    flatten
+        Keep those across edges of the source only.
+    focus
+        Multiply them by so much.
+    relight
+        Even them out.
+    """
+
+    flatten: Edges | None = None
+    focus: float | None = None
+    relight: Relight | None = None
 
 
 @dataclass(frozen=True, slots=True)

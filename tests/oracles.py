@@ -1,6 +1,9 @@
 """The truth that the tests compare with: eq. (7) of Perez et al. 2003, written down and solved directly.
 
-Nothing here knows our code, and only numpy and scipy are imported.  Every idea is written twice: once as
+Here are the equations, their solution, and the tools of section 3; `oracles_tools` has the tools that edit one
+picture, `oracles_spaces` the colour spaces.  Nothing in them knows our code, and only numpy and scipy are imported.
+
+Every idea is written twice: once as
 the paper writes it, pixel by pixel in plain loops (names ending in ``_by_loops``, for small pictures), and
 once with slices, for photographs.  ``test_oracles.py`` holds the two against each other and both against
 sums done by hand.
@@ -11,15 +14,19 @@ shape (H, W-1[, C]), and v_pq for p above q, shape (H-1, W[, C]); v_qp = -v_pq. 
 units of the pictures, neither rounded nor clipped.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sparse
 from scipy.sparse.linalg import splu
 
+from tests.oracles_spaces import SPACES
+
 Array = np.ndarray
 Pixel = tuple[int, int]
 Field = tuple[Array, Array]
+Transform = Callable[[Field], Field]
 
 LUMINANCE = (0.2126, 0.7152, 0.0722)  # ITU-R BT.709, what makes a colour source monochrome
 
@@ -103,14 +110,30 @@ def solve_equations(matrix: sparse.csc_array, b: Array) -> Array:
     return u + factors.solve(b - matrix @ u)
 
 
-def solve(region: Array, values: Array, across: Array, down: Array, *, by_loops: bool = False) -> Array:
+def solve(
+    region: Array,
+    values: Array,
+    across: Array,
+    down: Array,
+    *,
+    screen: float = 0.0,
+    towards: Array | None = None,
+    by_loops: bool = False,
+) -> Array:
     """The picture that eq. (7) asks for, per channel, float64; outside the region it is `values`.
+
+    With `screen` > 0 each equation gains screen * (f_p - g_p) on its left, g being `towards` (a picture, looked at
+    in the region only).
 
     Where no pixel is known the equations fix the picture up to a constant.  The rule is to keep the mean of
     `values`: the first unknown is held at zero, the rest solved, and the mean put right.
     """
     matrix, b = (equations_by_loops if by_loops else equations)(region, values, across, down)
-    if region.all():
+    if screen:
+        assert towards is not None
+        matrix = (matrix + screen * sparse.eye_array(len(b))).tocsc()
+        u = solve_equations(matrix, b + screen * towards[region].reshape(b.shape))
+    elif region.all():
         b = b - b.mean(axis=0)  # zero already unless the sums come from no pair field at all
         u = np.zeros_like(b)
         if len(u) > 1:
@@ -236,13 +259,23 @@ def clone(
     mask_on: str = "source",
     gradients: str = "source",
     monochrome: bool = False,
-    by_loops: bool = False,
+    **variant: Any,
 ) -> Array:
-    """Seamless cloning, eqs. (9)-(11); Fig. 5 with `monochrome`, Fig. 6c with ``gradients="average"``."""
+    """Seamless cloning, eqs. (9)-(11); Fig. 5 with `monochrome`, Fig. 6c with ``gradients="average"``.
+
+    `variant` are the last parameters of `edit`.
+    """
     rule = {"source": imported, "average": averaged}[gradients]
     if monochrome and source.ndim == 3:
         source = grey(source)
-    return _edit(rule, destination, source, mask, offset, mask_on, by_loops)
+    return edit(
+        rule,
+        destination,
+        source,
+        region_of(mask, offset, destination.shape, mask_on, source.shape),
+        offset,
+        **variant,
+    )
 
 
 def mix(
@@ -252,29 +285,95 @@ def mix(
     *,
     offset: tuple[int, int] = (0, 0),
     mask_on: str = "source",
-    by_loops: bool = False,
+    **variant: Any,
 ) -> Array:
     """Mixed seamless cloning, eq. (13)."""
-    return _edit(mixed, destination, source, mask, offset, mask_on, by_loops)
+    region = region_of(mask, offset, destination.shape, mask_on, source.shape)
+    return edit(mixed, destination, source, region, offset, **variant)
 
 
-def fill(image: Array, mask: Array, *, by_loops: bool = False) -> Array:
+def fill(image: Array, mask: Array, **variant: Any) -> Array:
     """The membrane, eq. (2)."""
-    return _edit(zero, image, image, mask, (0, 0), "destination", by_loops)
+    return edit(zero, image, image, np.asarray(mask) != 0, **variant)
 
 
-def _edit(
+def edit(
     rule: Rule,
     destination: Array,
     source: Array,
-    mask: Array,
-    offset: tuple[int, int],
-    mask_on: str,
-    by_loops: bool,
+    region: Array,
+    offset: tuple[int, int] = (0, 0),
+    *,
+    space: str = "rgb",
+    then: Iterable[Transform] = (),
+    screen: float = 0.0,
+    robust: bool = False,
+    by_loops: bool = False,
 ) -> Array:
-    region = region_of(mask, offset, destination.shape, mask_on, source.shape)
-    across, down = (guidance_by_loops if by_loops else guidance)(rule, destination, source, offset)
-    return solve(region, destination, across, down, by_loops=by_loops)
+    """One edit from pictures to a picture, float64 in the units of the destination, which it is outside the region.
+
+    Parameters
+    ----------
+    source
+        In the destination's units, whatever its type; a grey one is spread over the channels.
+    space
+        What the equations are solved in: a key of `SPACES`.
+    then
+        What is done to the guidance of `rule` before it is integrated, in this order.
+    screen
+        The pull towards the source, see `solve`.
+    robust
+        Solve for boundary values whose mismatch was `winsorised`; in rgb, with the source under all of the boundary.
+    """
+    scale = full_scale(destination.dtype)
+    if source.ndim < destination.ndim:
+        source = np.repeat(source[..., None], destination.shape[2], axis=2)
+    f, g = (working(picture, scale, space) for picture in (destination, source))
+    field = (guidance_by_loops if by_loops else guidance)(rule, f, g, offset)
+    for transform in then:
+        field = transform(field)
+    towards = placed(g, offset, region.shape, np.nan) if screen or robust else None
+    if robust:
+        rim = boundary(region)
+        f = f.copy()
+        f[rim] = towards[rim] + winsorised(f[rim] - towards[rim], scale / 255)
+    solution = solve(region, f, *field, screen=screen, towards=towards, by_loops=by_loops)
+    edited = destination.astype(np.float64)
+    edited[region] = restored(solution[region], scale, space)
+    return edited
+
+
+def boundary(region: Array) -> Array:
+    """The known pixels that have an unknown neighbour."""
+    beside = np.zeros_like(region)
+    for row, col in np.argwhere(region):
+        for pixel in neighbours((row, col), region.shape):
+            beside[pixel] = True
+    return beside & ~region
+
+
+def winsorised(mismatch: Array, level: float) -> Array:
+    """Mismatches (n, C) with outliers drawn straight back towards the median, to where outliers begin.
+
+    That is three standard deviations from it in the worst of the channels, or one level if that is more; a standard
+    deviation is 1.4826 times the median distance from the median.
+    """
+    middle = np.median(mismatch, axis=0)
+    distance = np.abs(mismatch - middle)
+    limit = np.maximum(3 * 1.4826 * np.median(distance, axis=0), level)
+    return np.array(
+        [middle + (m - middle) / max(1.0, *(d / limit)) for m, d in zip(mismatch, distance, strict=True)]
+    )
+
+
+def working(picture: Array, scale: float, space: str) -> Array:
+    """Stored values of this full scale in the units that the equations are solved in, float64."""
+    return picture.astype(np.float64) if space == "rgb" else SPACES[space].work(picture / scale)
+
+
+def restored(values: Array, scale: float, space: str) -> Array:
+    """The inverse of `working`."""
+    return values if space == "rgb" else SPACES[space].store(values) * scale
 
 
 # --- from exact values to stored ones ---------------------------------------------------------------

@@ -24,6 +24,11 @@ CLONE = ("clone", "source.png", "destination.png", "-m", "mask.png")
 MIX = ("mix", "source.png", "destination.png", "-m", "mask.png")
 FILL = ("fill", "destination.png", "-m", "dest-mask.png")
 
+EDITED = ("destination.png", "-m", "dest-mask.png")
+PATCH = np.zeros(DESTINATION.shape[:2], bool)
+PATCH[4:14, 5:17] = True
+HEAL = ("heal", "destination.png", "--rect", "5,4,12,10")
+
 
 @pytest.mark.parametrize(
     ("words", "expected"),
@@ -31,15 +36,25 @@ FILL = ("fill", "destination.png", "-m", "dest-mask.png")
         (CLONE, lambda: editing.clone(DESTINATION, SOURCE, MASK)),
         (MIX, lambda: editing.mix(DESTINATION, SOURCE, MASK)),
         (FILL, lambda: editing.fill(DESTINATION, DESTINATION_MASK)),
+        (("flatten", *EDITED), lambda: editing.flatten(DESTINATION, DESTINATION_MASK)),
+        (("relight", *EDITED), lambda: editing.relight(DESTINATION, DESTINATION_MASK)),
+        (("recolor", *EDITED), lambda: editing.recolor(DESTINATION, DESTINATION_MASK)),
+        (
+            ("focus", *EDITED, "--amount", "1.5"),
+            lambda: editing.focus(DESTINATION, DESTINATION_MASK, amount=1.5),
+        ),
+        (HEAL, lambda: editing.heal(DESTINATION, PATCH)),
+        (("tile", "destination.png"), lambda: editing.tile(DESTINATION)),
+        (("tonemap", "destination.png"), lambda: editing.tonemap(DESTINATION)),
     ],
-    ids=["clone", "mix", "fill"],
+    ids=lambda words: words[0] if isinstance(words, tuple) else "",
 )
 def test_defaults_are_those_of_the_function(folder, poisson, words, expected):
     ran = poisson(*words, "-o", "out.png")
     assert (ran.code, ran.out) == (0, "")
     edit = expected()
     np.testing.assert_array_equal(load("out.png"), edit.image)
-    assert not np.array_equal(edit.image, DESTINATION)
+    assert np.array_equal(edit.image, DESTINATION) == (words[0] == "recolor")
 
 
 def all_pairs(choices: dict[str, list]) -> list[dict]:
@@ -69,7 +84,7 @@ def all_pairs(choices: dict[str, list]) -> list[dict]:
 PLACEMENTS = [
     ([], {}),
     (["--at", "-9,-6"], {"offset": (-6, -9)}),
-    (["--at=30,25"], {"offset": (25, 30)}),
+    (["--at=20,10"], {"offset": (10, 20)}),
 ]
 SELECTIONS = [
     (["-m", "{mask}"], {"SHAPES": ["mask"]}),
@@ -122,14 +137,99 @@ PLACED = {
         (["--mask-on", "destination"], {"mask_on": "destination"}),
     ],
 }
+SPACES = [([], {}), (["--space", "linear"], {"space": "linear"}), (["--space", "lab"], {"space": "lab"})]
+RESCALES = [([], {}), (["--rescale"], {"rescale": True})]
+SCREENS = [([], {}), (["--screen", ".01"], {"screen": 0.01})]
+ROBUSTS = [([], {}), (["--robust"], {"robust": True})]
+EDGES = [
+    ([], {}),
+    (["--low", "2.5", "--high", "5"], {"low": 2.5, "high": 5}),
+    (["--sigma", "2.5"], {"sigma": 2.5}),
+    (["--edges", "edges.png"], {"edges": DESTINATION[:, :, 0] >= 128}),
+]
+RELIGHTS = [
+    ([], {}),
+    (["--alpha", ".5", "--beta", "-.1"], {"alpha": 0.5, "beta": -0.1}),
+    (["--beta", "0"], {"beta": 0}),
+]
+THENS = [
+    ([], {}),
+    (["--focus", "1.5"], {"then": [editing.Scale(1.5)]}),
+    (["--focus", "0"], {"then": [editing.Scale(0)]}),
+    (["--flatten", "--sigma", "0"], {"then": [editing.Sieve(sigma=0)]}),
+    (["--relight", "--beta", ".3"], {"then": [editing.Attenuate(beta=0.3)]}),
+    (
+        ["--relight", "--focus", "2", "--flatten", "--edges", "source-edges.png"],
+        {"then": [editing.Sieve(SOURCE[:, :, 0] >= 128), editing.Scale(2), editing.Attenuate()]},
+    ),
+]
+TONED = {"space": SPACES, "rescale": RESCALES}
+IMPORTED = {**PLACED, **TONED, "screen": SCREENS, "robust": ROBUSTS, "then": THENS}
 CLONED = {
-    **PLACED,
+    **IMPORTED,
     "gradients": [
         ([], {}),
         (["--gradients", "source"], {}),
         (["--gradients", "average"], {"gradients": "average"}),
     ],
     "monochrome": [([], {}), (["--monochrome"], {"monochrome": True})],
+}
+WHOLE = {name: SHARED[name] for name in ("solver", "tolerance", "limit", "threads", "report", "output")}
+ALTERED = {**SHARED, **TONED}
+IN_PLACE = {
+    "fill": {**SHARED, "space": SPACES},
+    "flatten": {**ALTERED, "edges": EDGES},
+    "relight": {
+        **SHARED,
+        "rescale": RESCALES,
+        "relight": RELIGHTS,
+        "per_channel": [  # each channel's logarithm is not defined in Lab
+            *SPACES,
+            (["--per-channel"], {"per_channel": True}),
+            (["--per-channel", "--space", "linear"], {"per_channel": True, "space": "linear"}),
+        ],
+    },
+    "recolor": {
+        **ALTERED,
+        "screen": SCREENS,
+        "gain": [([], {}), (["--gain", "1.5,.5,.5"], {"gain": (1.5, 0.5, 0.5)})],
+        "hue": [([], {}), (["--hue", "-90"], {"hue": -90})],
+        "saturation": [([], {}), (["--saturation", "0"], {"saturation": 0})],
+        "decolor": [([], {}), (["--decolor-background"], {"decolor_background": True})],
+    },
+    "focus": {
+        **ALTERED,
+        "amount": [(["--amount", "2"], {"amount": 2}), (["--amount", "0"], {"amount": 0})],
+    },
+    "heal": {
+        **WHOLE,
+        **TONED,
+        "screen": SCREENS,
+        "robust": ROBUSTS,
+        "selection": [
+            (["--rect", "20,14,9,8"], {"SHAPES": ["patch"]}),
+            (["--rect", "20,14,9,8", "--mask-threshold", "60"], {"SHAPES": ["patch"]}),
+        ],
+        "offset": [
+            ([], {}),
+            (["--reach", "15"], {"reach": 15}),
+            (["--from", "-16,3"], {"offset": (3, -16)}),
+        ],
+    },
+    "tile": {
+        **WHOLE,
+        **TONED,
+        "rect": [([], {}), (["--rect", "2,5,30,21"], {"rect": (5, 2, 21, 30)})],
+        "axis": [([], {}), (["--axis", "x"], {"axis": "x"}), (["--axis", "y"], {"axis": "y"})],
+    },
+    "tonemap": {
+        **WHOLE,
+        "space": SPACES,
+        "alpha": [([], {}), (["--alpha", ".2", "--beta", ".2"], {"alpha": 0.2, "beta": 0.2})],
+        "saturation": [([], {}), (["--saturation", "1"], {"saturation": 1})],
+        "white": [([], {}), (["--white", "90", "--gamma", "1.8"], {"white": 90, "gamma": 1.8})],
+        "black": [([], {}), (["--black", "2", "--floor", ".05"], {"black": 2, "floor": 0.05})],
+    },
 }
 
 
@@ -147,14 +247,26 @@ def expected_mask(meaning: dict, mask: np.ndarray) -> np.ndarray:
             selected |= soft(mask) >= meaning["THRESHOLD"]
         elif shape == "rectangle":
             selected[4:16, 3:23] = True
+        elif shape == "patch":
+            selected[14:22, 20:29] = True
         else:
             selected[:7, :15] = True
-    del meaning["THRESHOLD"]
+    meaning.pop("THRESHOLD", None)
     return ~selected if meaning.pop("INVERT", False) else selected
 
 
 def ids(row: dict) -> str:
     return " ".join(" ".join(words) for words, _ in row.values())
+
+
+def prepared(folder: Path) -> set[Path]:
+    """Puts pictures into the folder that the options name, and says what is in it then."""
+    Path("on-source.png").write_bytes(encoded(soft(MASK)))
+    Path("on-destination.png").write_bytes(encoded(soft(DESTINATION_MASK)))
+    Path("edges.png").write_bytes(encoded(DESTINATION[:, :, 0]))
+    Path("source-edges.png").write_bytes(encoded(SOURCE[:, :, 0]))
+    Path("old.bmp").write_bytes(b"old")
+    return set(folder.iterdir())
 
 
 def split(row: dict, mask_name: str) -> tuple[list[str], dict]:
@@ -169,15 +281,19 @@ def check_saved(folder: Path, words: list[str], image: np.ndarray, existing: set
     assert set(folder.iterdir()) == {*existing, output}
 
 
-@pytest.mark.parametrize("row", all_pairs(CLONED), ids=ids)
-@pytest.mark.parametrize("tool", ["clone", "mix"])
-def test_options_of_clone_and_mix_mean_what_the_keywords_mean(folder, poisson, row, tool):
-    if tool == "mix":
-        row = {name: value for name, value in row.items() if name in PLACED}
-    Path("on-source.png").write_bytes(encoded(soft(MASK)))
-    Path("on-destination.png").write_bytes(encoded(soft(DESTINATION_MASK)))
-    Path("old.bmp").write_bytes(b"old")
-    existing = set(folder.iterdir())
+def check_said(ran, words: list[str]) -> None:
+    assert bool(ran.out) == ("--json" in words)
+    lines = [line for line in ran.err.splitlines() if not line.startswith("poisson: hint: ")]
+    assert len(lines) > 4 if "-v" in words else len(lines) == ("-q" not in words)
+
+
+@pytest.mark.parametrize(
+    ("tool", "row"),
+    [(tool, row) for tool, choices in (("clone", CLONED), ("mix", IMPORTED)) for row in all_pairs(choices)],
+    ids=lambda value: value if isinstance(value, str) else ids(value),
+)
+def test_options_of_clone_and_mix_mean_what_the_keywords_mean(folder, poisson, tool, row):
+    existing = prepared(folder)
     words, meaning = split(row, "on-{}.png".format("destination" if "destination" in ids(row) else "source"))
     mask = expected_mask(meaning, MASK if meaning["mask_on"] == "source" else DESTINATION_MASK)
 
@@ -185,27 +301,28 @@ def test_options_of_clone_and_mix_mean_what_the_keywords_mean(folder, poisson, r
 
     assert ran.code == 0, ran.err
     check_saved(folder, words, getattr(editing, tool)(DESTINATION, SOURCE, mask, **meaning).image, existing)
-    assert bool(ran.out) == ("--json" in words)
-    lines = len(ran.err.splitlines())
-    assert lines > 5 if "-v" in words else lines == ("-q" not in words)
+    check_said(ran, words)
 
 
-@pytest.mark.parametrize("row", all_pairs(SHARED), ids=ids)
-def test_options_of_fill_mean_what_the_keywords_mean(folder, poisson, row):
-    Path("on-image.png").write_bytes(encoded(soft(DESTINATION_MASK)))
-    Path("old.bmp").write_bytes(b"old")
-    existing = set(folder.iterdir())
-    words, meaning = split(row, "on-image.png")
-    mask = expected_mask(meaning, DESTINATION_MASK)
+@pytest.mark.parametrize(
+    ("tool", "row"),
+    [(tool, row) for tool, choices in IN_PLACE.items() for row in all_pairs(choices)],
+    ids=lambda value: value if isinstance(value, str) else ids(value),
+)
+def test_options_of_the_other_tools_mean_what_the_keywords_mean(folder, poisson, tool, row):
+    existing = prepared(folder)
+    words, meaning = split(row, "on-destination.png")
+    masks = [expected_mask(meaning, DESTINATION_MASK)] if "SHAPES" in meaning else []
 
-    ran = poisson("fill", "destination.png", *words)
+    ran = poisson(tool, "destination.png", *words)
 
     assert ran.code == 0, ran.err
-    check_saved(folder, words, editing.fill(DESTINATION, mask, **meaning).image, existing)
+    check_saved(folder, words, getattr(editing, tool)(DESTINATION, *masks, **meaning).image, existing)
+    check_said(ran, words)
 
 
 def test_pairs_are_complete():
-    for choices in (SHARED, CLONED):
+    for choices in (IMPORTED, CLONED, *IN_PLACE.values()):
         rows = [ids(row) for row in all_pairs(choices)]
         values = {
             name: [" ".join(words) for words, _ in options if words] for name, options in choices.items()
@@ -255,6 +372,7 @@ def test_json_is_one_object_with_everything(folder, poisson):
     assert told == {
         "tool": "clone",
         "output": "out.png",
+        "beside": {},
         "region": int(MASK.sum()),
         "rectangle": {"x": 0, "y": 10, "width": 13, "height": 15},
         "unknowns": report.unknowns,
@@ -266,9 +384,16 @@ def test_json_is_one_object_with_everything(folder, poisson):
         "error_estimate": report.error_estimate,
         "error_bound": None,
         "advice": None,
+        "hints": [],
         "floating": False,
         "boundary_mismatch": list(report.boundary_mismatch),
+        "outliers": report.outliers,
+        "space": "rgb",
+        "overshoot": report.overshoot,
         "clipped": report.clipped,
+        "scale": 1.0,
+        "offset": None,
+        "edge_share": None,
         "profile_dropped": False,
     }
     assert told["unknowns"] < told["region"]

@@ -13,6 +13,13 @@ from tests.small_pictures import ALPHA, DESTINATION, GREY, SOURCE, encoded
 
 CLONE = "clone source.png destination.png -m mask.png -o out.png".split()
 FILL = "fill destination.png -m dest-mask.png -o out.png".split()
+FLATTEN = "flatten destination.png -m dest-mask.png -o out.png".split()
+RELIGHT = "relight destination.png -m dest-mask.png -o out.png".split()
+RECOLOR = "recolor destination.png -m dest-mask.png -o out.png".split()
+FOCUS = "focus destination.png -m dest-mask.png --amount 2 -o out.png".split()
+HEAL = "heal destination.png --rect 20,14,9,8 -o out.png".split()
+TILE = "tile destination.png -o out.png".split()
+TONEMAP = "tonemap destination.png -o out.png".split()
 
 
 def replaced(words: list[str], old: str, *new: str) -> list[str]:
@@ -67,6 +74,43 @@ USAGE = {
     "mask on nothing": ([*CLONE, "--mask-on", "output"], "'output' is not one of 'source', 'destination'"),
     "quiet and verbose": ([*FILL, "-q", "-v"], "--quiet and --verbose contradict each other."),
     "placement of fill": ([*FILL, "--at", "1,2"], "No such option"),
+    "edges found and given": (
+        [*FLATTEN, "--edges", "grey.png", "--low", "3"],
+        "--low is for finding edges; with --edges there is nothing to find.",
+    ),
+    "low above high": ([*FLATTEN, "--low", "13"], "--low is 13, above --high, which is 12."),
+    "low negative": ([*FLATTEN, "--low", "-1"], "'-1' is not a number, 0 or greater"),
+    "edges of no flattening": ([*CLONE, "--edges", "grey.png"], "--edges belongs to --flatten; add that."),
+    "sigma of no flattening": ([*CLONE, "--focus", "2", "--sigma", "1"], "--sigma belongs to --flatten"),
+    "alpha of no relighting": ([*CLONE, "--alpha", ".1"], "--alpha belongs to --relight; add that."),
+    "beta nan": ([*RELIGHT, "--beta", "nan"], "'--beta': 'nan' is not a number"),
+    "alpha zero": ([*RELIGHT, "--alpha", "0"], "'0' is not a number greater than 0"),
+    "two gains": ([*RECOLOR, "--gain", "1,2"], "'1,2' is not R,G,B: three numbers, 0 or more, for example"),
+    "negative gain": ([*RECOLOR, "--gain", "1,2,-1"], "'1,2,-1' is not R,G,B"),
+    "hue as a word": ([*RECOLOR, "--hue", "red"], "'red' is not a number"),
+    "saturation negative": ([*RECOLOR, "--saturation", "-1"], "'-1' is not a number, 0 or greater"),
+    "no amount": (FOCUS[:4] + FOCUS[6:], "Missing option '--amount'"),
+    "amount negative": ([*FOCUS, "--amount", "-1"], "'-1' is not a number, 0 or greater"),
+    "focus negative": ([*CLONE, "--focus", "-1"], "'-1' is not a number, 0 or greater"),
+    "screen negative": ([*HEAL, "--screen", "-1"], "'-1' is not a number, 0 or greater"),
+    "patch from nowhere": ([*HEAL, "--from", "left"], "'left' is not X,Y"),
+    "reach of no search": (
+        [*HEAL, "--from", "9,0", "--reach", "9"],
+        "--reach is for the search; with --from nothing is searched for.",
+    ),
+    "no reach": ([*HEAL, "--reach", "0"], "'0' is not a whole number from 1"),
+    "unknown space": ([*TILE, "--space", "hsv"], "'hsv' is not one of 'rgb', 'linear', 'lab'"),
+    "unknown axis": ([*TILE, "--axis", "z"], "'z' is not one of 'both', 'x', 'y'"),
+    "no pictures to tile": (["tile", "-o", "out.png"], "Missing argument 'IMAGE...'"),
+    "two pictures, one output": (
+        "tile destination.png grey.png -o out.png".split(),
+        "2 pictures, but 1 outputs: give -o once for each, or once with a folder that exists.",
+    ),
+    "one picture, two previews": (
+        [*TILE, "--preview", "a.png", "--preview", "b.png"],
+        "2 times --preview, but there are 1 pictures.",
+    ),
+    "selection of a whole picture": ([*TONEMAP, "-m", "dest-mask.png"], "No such option"),
     "null character": (replaced(FILL, "out.png", "a\0.png"), "a path cannot hold a null character"),
 }
 
@@ -144,6 +188,38 @@ INPUT = {
         "fill grey.png --rect 0,0,48,40 --invert-mask -o out.png".split(),
         "the selection is empty: everything was selected, so --invert-mask leaves nothing",
     ),
+    "missing edges": ([*FLATTEN, "--edges", "no.png"], "no.png: no such file"),
+    "edges of another size": (
+        [*FLATTEN, "--edges", "mask.png"],
+        "edges mask.png are 30x24, but destination.png is 48x40; draw them on that picture",
+    ),
+    "edges of the destination": (
+        [*CLONE, "--flatten", "--edges", "dest-mask.png"],
+        "edges dest-mask.png are 48x40, but source.png is 30x24; draw them on that picture",
+    ),
+    "beta too large": ([*RELIGHT, "--beta", "1.5"], "beta"),
+    "colours of grey": (replaced(RECOLOR, "destination.png", "grey.png"), "channel"),
+    "grey in Lab": (
+        [*replaced(FILL, "destination.png", "grey.png"), "--space", "lab"],
+        "CIE-Lab needs red, green and blue",
+    ),
+    "channels in Lab": (
+        [*RELIGHT, "--per-channel", "--space", "lab"],
+        "per_channel needs the space 'rgb' or 'linear'",
+    ),
+    "patch outside": ([*HEAL, "--from", "40,0"], "a patch 9x8 at 60,14 leaves the picture"),
+    "nowhere to search": (
+        "heal destination.png --rect 4,4,40,32 -o out.png".split(),
+        "offset",
+    ),
+    "tile outside": ([*TILE, "--rect", "30,0,30,30"], "rect"),
+    "tile too thin": ([*TILE, "--rect", "0,0,2,30"], "3"),
+    "maps of two sizes": (
+        "tile destination.png source.png -o a.png -o b.png".split(),
+        "destination.png is 48x40, but source.png is 30x24; pictures that belong together have one size",
+    ),
+    "second map missing": ("tile destination.png no.png -o a.png -o b.png".split(), "no.png: no such file"),
+    "white too large": ([*TONEMAP, "--white", "101"], "white"),
     "outside the destination": (
         [*CLONE, "--at", "48,0"],
         "the selection lies wholly outside: with its corner at 48,0 the source",
@@ -185,6 +261,28 @@ OUTPUT = {
     "grey alpha as bmp": (
         "fill grey-alpha.png -m dest-mask.png -o out.bmp".split(),
         "out.bmp: BMP cannot hold the 2 channels of grey-alpha.png (grey with alpha); PNG, TIFF and WebP can",
+    ),
+    "edges exist": ([*FLATTEN, "--show-edges", "grey.png"], "grey.png: exists already; add --overwrite"),
+    "edges as the result": (
+        [*FLATTEN, "--show-edges", "out.png"],
+        "out.png: two outputs would go into this file; give each its own name",
+    ),
+    "preview without folder": ([*TILE, "--preview", "none/p.png"], "there is no folder {folder}/none"),
+    "second tile exists": (
+        "tile destination.png grey.png -o a.png -o mask.png".split(),
+        "mask.png: exists already",
+    ),
+    "tiles beside their pictures": (
+        "tile destination.png grey.png -o .".split(),
+        "destination.png: exists already",
+    ),
+    "tiles of one name": (
+        "tile destination.png ../{name}/destination.png -o sub".split(),
+        "sub/destination.png: two outputs would go into this file",
+    ),
+    "alpha in the preview": (
+        "tile alpha.png -o out.png --preview look.jpg".split(),
+        "look.jpg: JPEG cannot hold the 4 channels of alpha.png",
     ),
     "too wide": (
         "fill wide.png --rect 5,0,9,1 -o out.webp".split(),
@@ -234,7 +332,7 @@ def crowded(folder: Path) -> Path:
 @pytest.mark.parametrize(("words", "code", "text"), CASES)
 def test_code_and_text(crowded, poisson, words, code, text):
     before = contents(crowded)
-    ran = poisson(*words)
+    ran = poisson(*(word.replace("{name}", crowded.name) for word in words))
     assert text.format(folder=crowded) in ran.err
     assert (ran.code, ran.out) == (code, "")
     assert contents(crowded) == before

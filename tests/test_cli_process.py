@@ -40,6 +40,8 @@ HEAVY = {"numpy", "numba", "imageio", "PIL", "solvers", "poisson_cli.editing", "
         ["clone", "--help"],
         ["mix", "-h"],
         ["fill", "--help"],
+        ["flatten", "--help"],
+        ["tile", "--help"],
         ["demo", "--help"],
         ["fill"],
     ],
@@ -76,12 +78,12 @@ def test_version():
     assert poisson("--version").stdout == f"poisson, version {poisson_cli.__version__}\n"
 
 
-@pytest.mark.parametrize("command", ["clone", "mix", "fill"])
+@pytest.mark.parametrize("command", ["clone", "flatten", "tonemap"])
 def test_help_has_an_example_and_the_defaults(command):
     text = poisson(command, "--help").stdout
     assert f"\n    poisson {command} " in text
     flat = " ".join(text.split())
-    for default in ("128", "multigrid", "F", "0.0002"):
+    for default in ("rgb", "multigrid", "F", "0.0002", *(["128"] if command != "tonemap" else [])):
         assert f"[default: {default}]" in flat
 
 

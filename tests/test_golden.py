@@ -6,7 +6,8 @@ import pytest
 import poisson_cli
 from tests.golden import Stored, all_cases
 from tests.golden.__main__ import main
-from tests.golden.case import read_png, write_png
+from tests.golden.case import ORACLES, read_png, write_png
+from tests.oracles_spaces import SPACES
 from tests.photographs import crop
 from tests.regions import lasso
 
@@ -17,7 +18,7 @@ every_case = pytest.mark.parametrize("folder", all_cases(), ids=lambda folder: f
 def test_golden(folder, tmp_path):
     stored = Stored.load(folder)
     case = stored.case
-    stored.check(getattr(poisson_cli, case.tool)(*case.pictures, case.mask, **case.arguments), tmp_path)
+    stored.check(case.given_to(getattr(poisson_cli, case.tool)), tmp_path)
 
 
 @every_case
@@ -33,8 +34,12 @@ def test_a_case_is_small(folder):
     assert sum(path.stat().st_size for path in folder.iterdir()) < 40_000
 
 
-def test_there_are_cases():
-    assert len(all_cases()) >= 8
+def test_every_tool_has_a_case_in_every_space():
+    cases = {
+        (case.tool, case.arguments.get("space", "rgb"))
+        for case in (Stored.load(folder).case for folder in all_cases())
+    }
+    assert cases == {(tool, space) for tool in ORACLES for space in SPACES}
 
 
 # --- the harness ------------------------------------------------------------------------------------
@@ -60,6 +65,50 @@ def test_a_case_that_was_added_passes(inputs):
     assert stored.case.arguments == {"offset": (4, -6), "gradients": "average"}
     edited = poisson_cli.clone(*stored.case.pictures, stored.case.mask, offset=(4, -6), gradients="average")
     stored.check(edited, inputs)
+
+
+def test_a_case_with_edges_a_space_and_other_arguments(inputs):
+    write_png(inputs / "e.png", np.eye(30, 40, dtype=np.uint8) * 255)
+    files = [f"--{name}={inputs / name[0]}.png" for name in ("destination", "mask", "edges")]
+    main([f"--cases={inputs / 'cases'}", "add", "new", "flatten", "--space=lab", *files])
+    stored = Stored.load(inputs / "cases" / "new")
+    assert stored.case.arguments == {"space": "lab"}
+    assert np.count_nonzero(stored.case.edges) == 30
+    stored.check(stored.case.given_to(poisson_cli.flatten), inputs)
+
+
+def test_a_case_without_a_mask(inputs):
+    given = [f"--destination={inputs / 'd.png'}", "--set", "rect=[2, 3, 20, 30]", "--set", 'axis="x"']
+    main([f"--cases={inputs / 'cases'}", "add", "new", "tile", *given])
+    stored = Stored.load(inputs / "cases" / "new")
+    assert stored.case.mask is None and stored.case.arguments == {"rect": (2, 3, 20, 30), "axis": "x"}
+    assert stored.expected.shape == (20, 30, 3)
+    stored.check(stored.case.given_to(poisson_cli.tile), inputs)
+
+
+@pytest.mark.parametrize(
+    ("tool", "files"),
+    [
+        ("clone", ["destination", "mask"]),
+        ("focus", ["destination"]),
+        ("tile", ["destination", "mask"]),
+        ("flatten", ["destination", "mask"]),
+        ("focus", ["destination", "mask", "edges"]),
+    ],
+    ids=str,
+)
+def test_files_that_do_not_fit_the_tool_are_refused(inputs, tool, files):
+    write_png(inputs / "e.png", np.eye(30, 40, dtype=np.uint8) * 255)
+    with pytest.raises(SystemExit, match="--source|--mask|--edges"):
+        main(
+            [
+                f"--cases={inputs / 'cases'}",
+                "add",
+                "new",
+                tool,
+                *[f"--{f}={inputs / f[0]}.png" for f in files],
+            ]
+        )
 
 
 def test_adding_twice_is_refused(inputs):

@@ -8,7 +8,7 @@ import pytest
 
 from poisson_cli import editing, params
 from poisson_cli.editing.solving import solve
-from poisson_cli.settings import Placement, Rectangle, Selection, Solver
+from poisson_cli.settings import Edges, Placement, Rectangle, Relight, Selection, Solver, Then
 
 
 @pytest.mark.parametrize(
@@ -83,6 +83,39 @@ def test_what_is_no_positive_number(text):
         params.POSITIVE.convert(text, None, None)
 
 
+@pytest.mark.parametrize(("text", "number"), [("-30", -30.0), ("0", 0.0), ("1e2", 100.0)])
+def test_numbers(text, number):
+    assert params.NUMBER.convert(text, None, None) == number
+
+
+@pytest.mark.parametrize("text", ["nan", "inf", "-inf", "", "warm", "1,5"])
+def test_what_is_no_number(text):
+    with pytest.raises(click.BadParameter, match=f"'{text}' is not a number$"):
+        params.NUMBER.convert(text, None, None)
+
+
+@pytest.mark.parametrize(("text", "number"), [("0", 0.0), ("1.5", 1.5)])
+def test_numbers_that_are_not_negative(text, number):
+    assert params.NOT_NEGATIVE.convert(text, None, None) == number
+
+
+@pytest.mark.parametrize("text", ["nan", "inf", "-0.1", ""])
+def test_what_is_negative_or_no_number(text):
+    with pytest.raises(click.BadParameter, match="is not a number, 0 or greater"):
+        params.NOT_NEGATIVE.convert(text, None, None)
+
+
+def test_factors():
+    assert params.FACTORS.convert("1.5,.5, 0", None, None) == (1.5, 0.5, 0.0)
+    assert params.FACTORS.convert((1.0, 2.0, 3.0), None, None) == (1.0, 2.0, 3.0)
+
+
+@pytest.mark.parametrize("text", ["", "1", "1,2", "1,2,3,4", "1,-1,1", "1,nan,1", "red,1,1", "1;1;1"])
+def test_what_are_no_factors(text):
+    with pytest.raises(click.BadParameter, match="is not R,G,B: three numbers, 0 or more"):
+        params.FACTORS.convert(text, None, None)
+
+
 @pytest.mark.parametrize(("text", "number"), [("1", 1), ("255", 255), ("+12", 12)])
 def test_whole_numbers(text, number):
     assert params.EIGHT_BIT.convert(text, None, None) == number
@@ -106,6 +139,40 @@ def test_settings_have_the_defaults_of_the_functions():
     for tool in (editing.clone, editing.mix):
         assert Placement().offset == default(tool, "offset")
         assert Placement().mask_on == default(tool, "mask_on")
+
+    for name in ("low", "high", "sigma"):
+        assert getattr(Edges(), name) == default(editing.find_edges, name) == default(editing.flatten, name)
+    assert Relight() == Relight(default(editing.relight, "alpha"), default(editing.relight, "beta"))
+    assert Relight() == Relight(editing.Attenuate().alpha, editing.Attenuate().beta)
+
+
+def then(*words: str) -> Then:
+    """What ``clone`` makes of its options for imported gradients."""
+    from poisson_cli import options
+
+    seen = []
+    command = click.Command("c", callback=options.then(lambda then: seen.append(then)), params=[])
+    command.params = list(reversed(command.callback.__click_params__))
+    command.main(list(words), standalone_mode=False)
+    return seen[0]
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ([], Then()),
+        (["--flatten"], Then(flatten=Edges())),
+        (["--focus", "0"], Then(focus=0.0)),
+        (["--relight", "--beta=-.1"], Then(relight=Relight(beta=-0.1))),
+        (
+            ["--relight", "--flatten", "--edges", "e.png", "--show-edges", "s.png", "--focus", "2"],
+            Then(Edges(file=Path("e.png"), show=Path("s.png")), 2.0, Relight()),
+        ),
+    ],
+    ids=str,
+)
+def test_what_is_done_to_imported_gradients(words, expected):
+    assert then(*words) == expected
 
 
 def test_options_have_the_defaults_of_the_settings():

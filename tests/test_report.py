@@ -9,6 +9,7 @@ import pytest
 from poisson_cli import report
 from poisson_cli.editing import EditReport
 from poisson_cli.job import Summary
+from poisson_cli.settings import Reporting
 
 EDIT = EditReport(
     tool="clone",
@@ -61,6 +62,10 @@ def test_the_line():
         ({"error_estimate": 1.0}, ", error < 1 levels, "),
         ({"error_estimate": 37.2}, ", error < 38 levels, "),
         ({"floating": True}, ", no known pixel around a part: its mean is kept, "),
+        ({"offset": (3, -60)}, ", patch from -60,3 away, "),
+        ({"edge_share": 0.0314}, ", 3.1% edges, "),
+        ({"scale": 0.8349}, ", gradients x 0.83 to fit the range, "),
+        ({"beside": {"edges": Path("e.png")}}, " -> out.png, edges -> e.png"),
         ({"clipped": 1}, ", 1 value clipped, "),
         ({"clipped": 5678}, ", 5,678 values clipped, "),
         ({"profile_dropped": True}, ", colour profile dropped: the format cannot hold it, "),
@@ -73,17 +78,25 @@ def test_parts_of_the_line(changes, part):
     assert part in report.line(changed(**changes))
 
 
+def test_that_nothing_is_known_of_a_whole_picture_is_understood():
+    assert "no known pixel" not in report.line(changed(floating=True, selected=None))
+
+
 def test_the_details():
-    assert report.details(changed(selected=13000, clipped=1)).splitlines() == [
+    told = changed(selected=13000, clipped=1, outliers=0.0123, overshoot=2.34)
+    assert report.details(told).splitlines() == [
         "  selected  13,000 pixels, 12,345 of them inside the picture",
-        "  mismatch  12.3, 6.0, 0.0 levels between source and destination along the boundary, mean",
+        "  mismatch  12.3, 6.0, 0.0 levels between source and destination along the boundary, mean; "
+        "exceptional at 1.2% of it",
         "  method    multigrid F",
         "  error     0.00015 levels estimated, 0.0005 allowed",
-        "  clipped   1 value outside 0..255",
+        "  clipped   1 value outside 0..255, by 2.3 levels at most",
         "  stages    read 10 ms, solve 20 ms, write 1 ms",
     ]
     shorter = report.details(changed(boundary_mismatch=None))
     assert "mismatch" not in shorter
+    assert "0 values outside 0..255\n" in shorter
+    assert "selected" not in report.details(changed(selected=None))
     assert shorter.startswith("  selected  12,345 pixels, all of them inside the picture\n")
 
 
@@ -93,6 +106,42 @@ def test_the_object():
     assert told["boundary_mismatch"] == [12.345, 6.0, 0.04]
     assert told["seconds"]["total"] == pytest.approx(0.031)
     assert report.as_dict(changed(boundary_mismatch=None))["boundary_mismatch"] is None
+
+
+def test_the_object_of_a_tool_with_more_to_say():
+    told = report.as_dict(changed(offset=(3, -60), edge_share=0.25, beside={"preview": Path("p.png")}))
+    assert told["offset"] == {"x": -60, "y": 3}
+    assert told["edge_share"] == 0.25
+    assert told["beside"] == {"preview": "p.png"}
+    json.dumps(told)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"boundary_mismatch": (3.0, 100.4, 3.0)}, True),
+        ({"boundary_mismatch": (99.9, 99.9, 99.9)}, False),
+        ({"boundary_mismatch": (199.0,), "tool": "tile"}, False),
+        ({"boundary_mismatch": (199.0,), "guarded": True}, False),
+        ({"boundary_mismatch": None}, False),
+    ],
+)
+def test_a_large_mismatch_comes_with_advice(capsys, changes, said):
+    summary = changed(**changes)
+    hints = report.hints(summary)
+    assert len(hints) == said
+    report.tell(summary, Reporting())
+    lines = capsys.readouterr().err.splitlines()[1:]
+    assert lines == [f"poisson: hint: {hint}" for hint in hints]
+    if said:
+        assert hints[0].startswith("along the border the pictures differ by 100 levels on average")
+        assert "--screen" in hints[0]
+
+
+def test_a_heal_and_a_flattening_have_hints_of_their_own():
+    assert "--from" in report.hints(changed(boundary_mismatch=(199.0,), tool="heal"))[0]
+    assert "lower --high" in report.hints(changed(boundary_mismatch=None, edge_share=0.0))[0]
+    assert report.hints(changed(boundary_mismatch=None, edge_share=1e-6)) == []
 
 
 def test_a_clone_onto_itself_has_something_to_say(folder, poisson):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -12,7 +12,7 @@ from poisson_cli.params import FILE
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from poisson_cli.settings import Output, Placement, Reporting, Selection, Solver
+    from poisson_cli.settings import Output, Placement, Reporting, Selection, Solver, Then
 
 __all__ = ["command"]
 
@@ -30,19 +30,23 @@ __all__ = ["command"]
     help="Gradients to keep: the source's, or the average of the source's and the destination's.",
 )
 @click.option("--monochrome", is_flag=True, help="Keep the source's texture only, not its colours.")
+@options.then
+@options.bleeding
+@options.rescale
+@options.space
 @options.output
 @options.solver
 @options.reporting
 def command(
     source: Path,
     destination: Path,
-    gradients: str,
-    monochrome: bool,
-    placement: Placement,
     selection: Selection,
+    placement: Placement,
+    then: Then,
     solver: Solver,
     output: Output,
     reporting: Reporting,
+    **parameters: Any,
 ) -> None:
     """Clone a selection of SOURCE into DESTINATION, seamlessly.
 
@@ -54,20 +58,22 @@ def command(
     the bird; the top-left corner of bird.jpg goes to column 320, row 40 of sky.png:
       poisson clone bird.jpg sky.png -m mask.png --at 320,40 -o out.png
     """
-    from poisson_cli import job, progress, report
+    from poisson_cli import attended
+    from poisson_cli.job import Job
 
-    with progress.shown(reporting, solver) as watch:
-        summary = job.run(
-            job.Job(
+    attended.run(
+        [
+            Job(
                 tool="clone",
                 source=source,
                 destination=destination,
                 selection=selection,
                 placement=placement,
-                parameters={"gradients": gradients, "monochrome": monochrome},
+                then=then,
+                parameters=parameters,
                 solver=solver,
                 output=output,
-            ),
-            progress=watch,
-        )
-    report.tell(summary, reporting)
+            )
+        ],
+        reporting,
+    )

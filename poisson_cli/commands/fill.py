@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -20,10 +20,18 @@ __all__ = ["command"]
 @click.command(short_help="Fill a selection smoothly from its border.")
 @click.argument("image", type=FILE)
 @options.selection
+@options.space
 @options.output
 @options.solver
 @options.reporting
-def command(image: Path, selection: Selection, solver: Solver, output: Output, reporting: Reporting) -> None:
+def command(
+    image: Path,
+    selection: Selection,
+    solver: Solver,
+    output: Output,
+    reporting: Reporting,
+    **parameters: Any,
+) -> None:
     """Fill a selection of IMAGE smoothly from the colours around it.
 
     For scratches, dust, wires and small blemishes; a large selection becomes a soft blur without texture.
@@ -32,11 +40,19 @@ def command(image: Path, selection: Selection, solver: Solver, output: Output, r
     Example: two scratches, white in scratches.png, and a date stamp in a corner:
       poisson fill scan.png -m scratches.png --rect 560,440,70,24 -o out.png
     """
-    from poisson_cli import job, progress, report
+    from poisson_cli import attended
+    from poisson_cli.job import Job
 
-    with progress.shown(reporting, solver) as watch:
-        summary = job.run(
-            job.Job(tool="fill", destination=image, selection=selection, solver=solver, output=output),
-            progress=watch,
-        )
-    report.tell(summary, reporting)
+    attended.run(
+        [
+            Job(
+                tool="fill",
+                destination=image,
+                selection=selection,
+                parameters=parameters,
+                solver=solver,
+                output=output,
+            )
+        ],
+        reporting,
+    )

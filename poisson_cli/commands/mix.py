@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -12,7 +12,7 @@ from poisson_cli.params import FILE
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from poisson_cli.settings import Output, Placement, Reporting, Selection, Solver
+    from poisson_cli.settings import Output, Placement, Reporting, Selection, Solver, Then
 
 __all__ = ["command"]
 
@@ -22,17 +22,23 @@ __all__ = ["command"]
 @click.argument("destination", type=FILE)
 @options.selection
 @options.placement
+@options.then
+@options.bleeding
+@options.rescale
+@options.space
 @options.output
 @options.solver
 @options.reporting
 def command(
     source: Path,
     destination: Path,
-    placement: Placement,
     selection: Selection,
+    placement: Placement,
+    then: Then,
     solver: Solver,
     output: Output,
     reporting: Reporting,
+    **parameters: Any,
 ) -> None:
     """Clone a selection of SOURCE into DESTINATION, keeping the stronger gradient of the two everywhere.
 
@@ -43,19 +49,22 @@ def command(
     Example: handwriting onto a wall, the whole of note.png (400x300) at column 80, row 120:
       poisson mix note.png wall.jpg --rect 0,0,400,300 --at 80,120 -o out.png
     """
-    from poisson_cli import job, progress, report
+    from poisson_cli import attended
+    from poisson_cli.job import Job
 
-    with progress.shown(reporting, solver) as watch:
-        summary = job.run(
-            job.Job(
+    attended.run(
+        [
+            Job(
                 tool="mix",
                 source=source,
                 destination=destination,
                 selection=selection,
                 placement=placement,
+                then=then,
+                parameters=parameters,
                 solver=solver,
                 output=output,
-            ),
-            progress=watch,
-        )
-    report.tell(summary, reporting)
+            )
+        ],
+        reporting,
+    )

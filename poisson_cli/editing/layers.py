@@ -1,5 +1,6 @@
-"""The pictures under the window, as working floats, a few rows at a time."""
+"""The pictures under the window, as working values, a few rows at a time."""
 
+from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
@@ -8,8 +9,12 @@ from numpy.typing import NDArray
 
 from poisson_cli.editing import tone
 from poisson_cli.editing.placement import Placement
+from poisson_cli.editing.spaces import AsStored, Space
 from poisson_cli.errors import InputError
 from solvers.canvas import Values
+
+# Another look of a picture: stored values as floats, (..., C) -> (..., C), or (..., 1) for all channels alike.
+Look = Callable[[Values], Values]
 
 
 class Layer:
@@ -20,11 +25,13 @@ class Layer:
     stored : (h, w, C) array
         Of a depth that `tone` knows.  Where the picture ends before the window does, fewer rows and columns.
     channels : int
-        How many the layer shows: a picture of one channel is spread over them.
+        How many stored values a pixel has: a picture of one channel is spread over them.
     padding : ((north, south), (west, east))
         Rows and columns of the window beyond the picture: there it continues with the value at its edge.
-    monochrome : bool
-        Show luminance only.
+    look : callable, optional
+        What to show of the picture instead of its stored values.
+    space : Space, optional
+        The space of the working values; the values as stored if none is given.
     """
 
     def __init__(
@@ -33,78 +40,100 @@ class Layer:
         channels: int,
         padding: tuple[tuple[int, int], tuple[int, int]] = ((0, 0), (0, 0)),
         *,
-        monochrome: bool = False,
+        look: Look | None = None,
+        space: Space | None = None,
     ) -> None:
-        self.stored = stored
-        self.channels = channels
-        self.padding = padding
-        self.monochrome = monochrome
-        self.dtype = tone.working_dtype(stored.dtype)
-        self._memory = np.empty(0, self.dtype)
+        self.space = space or AsStored(stored.dtype)
+        self.channels = self.space.channels(channels)
+        self.look = look
+        self._picture = stored
+        self._stored_channels = channels
+        self._padding = padding
+        self._stored_dtype = tone.working_dtype(stored.dtype)
+        self._memory = np.empty(0, self._stored_dtype)
 
     @classmethod
-    def of_destination(cls, destination: NDArray[Any], placement: Placement) -> "Layer":
-        """The destination f*, checked for values that are no numbers."""
+    def of_destination(
+        cls, destination: NDArray[Any], placement: Placement, space: Space | None = None
+    ) -> "Layer":
+        """The destination f*, checked: its values must be numbers, and have a place in the space."""
         stored = _with_channels(placement.on_destination(destination))
         tone.check_values("destination", stored)
-        return cls(stored, stored.shape[2])
+        if space is not None:
+            space.check("destination", stored.shape[2])
+        return cls(stored, stored.shape[2], space=space)
 
     @classmethod
     def of_source(
-        cls, source: NDArray[Any], placement: Placement, channels: int | None, *, monochrome: bool = False
+        cls,
+        source: NDArray[Any],
+        placement: Placement,
+        channels: int | None,
+        *,
+        look: Look | None = None,
+        space: Space | None = None,
     ) -> "Layer":
         """The source g, checked; `channels` are the destination's, None if it is (H, W)."""
         rows, cols, padding = placement.source_window()
         stored = _with_channels(source[rows, cols])
         tone.check_values("source", stored)
         own = stored.shape[2]
-        if monochrome:
-            tone.check_luminance(own)
-        elif channels is None and own != 1:
+        if look is not None:
+            own = look(np.zeros((1, own), np.float32)).shape[-1]
+        if channels is None and own != 1:
             raise InputError(
                 f"the source has {own} channels but the destination is grey: convert the source, or import "
                 "its luminance only (monochrome)"
             )
-        elif own not in (1, channels):
+        if own not in (1, channels or 1):
             raise InputError(
                 f"the source has {own} channels but the destination has {channels}: convert one of them"
             )
-        return cls(stored, channels or 1, padding, monochrome=monochrome)
+        return cls(stored, channels or 1, padding, look=look, space=space)
 
     def rows(self, first: int, end: int) -> Values:
-        """Rows first ... end of the window, (end - first, w, channels): valid until the next call, and to write in."""
+        """Working values of rows first ... end of the window, (end - first, w, channels).
+
+        Valid until the next call, and to write in.
+        """
+        return self.space.to_working(self.stored_rows(first, end))
+
+    def stored_rows(self, first: int, end: int) -> Values:
+        """Stored values of these rows, as floats, (end - first, w, C); valid until the next call."""
         part = self._shown(self._part(first, end))
-        size = part.shape[0] * part.shape[1] * self.channels
+        size = part.shape[0] * part.shape[1] * self._stored_channels
         if self._memory.size < size:
-            self._memory = np.empty(size, self.dtype)
-        values = self._memory[:size].reshape(*part.shape[:2], self.channels)
+            self._memory = np.empty(size, self._stored_dtype)
+        values = self._memory[:size].reshape(*part.shape[:2], self._stored_channels)
         np.copyto(values, part)
         return values
 
     def at(self, row: NDArray[np.intp], col: NDArray[np.intp]) -> Values:
-        """Pixels of the window that lie on the picture: (n, channels), or (n, 1) for one to be spread."""
-        (north, _), (west, _) = self.padding
-        shown: NDArray[Any] = self._shown(self.stored[row - north, col - west][np.newaxis])[0]
-        return shown
+        """Working values of single pixels of the window, (n, channels)."""
+        return self.space.to_working(self.stored_at(row, col))
+
+    def stored_at(self, row: NDArray[np.intp], col: NDArray[np.intp]) -> Values:
+        """Stored values of single pixels of the window, as floats, (n, C)."""
+        (north, _), (west, _) = self._padding
+        height, width = self._picture.shape[:2]
+        part = self._picture[np.clip(row - north, 0, height - 1), np.clip(col - west, 0, width - 1)]
+        shown = np.broadcast_to(self._shown(part), (len(part), self._stored_channels))
+        values: Values = shown.astype(self._stored_dtype)
+        return values
 
     def _part(self, first: int, end: int) -> NDArray[Any]:
-        """Stored values of these rows of the window; beyond the picture those at its edge."""
-        (north, south), (west, east) = self.padding
+        """The picture in these rows of the window; beyond the picture the values at its edge."""
+        (north, south), (west, east) = self._padding
         if not (north or south or west or east):
-            return self.stored[first:end]
-        height, width = self.stored.shape[:2]
+            return self._picture[first:end]
+        height, width = self._picture.shape[:2]
         rows = np.clip(np.arange(first, end) - north, 0, height - 1)
         cols = np.clip(np.arange(west + width + east) - west, 0, width - 1)
-        continued: NDArray[Any] = self.stored[rows[:, np.newaxis], cols]
+        continued: NDArray[Any] = self._picture[rows[:, np.newaxis], cols]
         return continued
 
-    def _shown(self, stored: NDArray[Any]) -> NDArray[Any]:
-        """Stored values, or their luminance; (n, w, channels or 1)."""
-        if not self.monochrome:
-            return stored
-        working: Values = stored.astype(self.dtype)
-        grey: NDArray[Any] = tone.luminance(working)[:, :, np.newaxis]
-        return grey
+    def _shown(self, part: NDArray[Any]) -> NDArray[Any]:
+        return part if self.look is None else self.look(part.astype(self._stored_dtype))
 
 
 class Band:
@@ -112,18 +141,34 @@ class Band:
 
     def __init__(self, destination: Layer, source: Layer | None, first: int, end: int) -> None:
         self._layers = destination, source
-        self._rows = first, end
+        self.rows = first, end
 
     @cached_property
     def destination(self) -> Values:
         """f*, (n, w, channels)."""
-        return self._layers[0].rows(*self._rows)
+        return self._of(self._layers[0])
 
     @cached_property
     def source(self) -> Values:
         """g, (n, w, channels)."""
         assert self._layers[1] is not None, "a field that needs a source was given none"
-        return self._layers[1].rows(*self._rows)
+        return self._of(self._layers[1])
+
+    def _of(self, layer: Layer) -> Values:
+        return layer.rows(*self.rows)
+
+
+class Points(Band):
+    """Both pictures in single pixels of the window, as (n, channels) values."""
+
+    def __init__(
+        self, destination: Layer, source: Layer | None, row: NDArray[np.intp], col: NDArray[np.intp]
+    ) -> None:
+        self._layers = destination, source
+        self._where = row, col
+
+    def _of(self, layer: Layer) -> Values:
+        return layer.at(*self._where)
 
 
 def _with_channels(picture: NDArray[Any]) -> NDArray[Any]:

@@ -20,9 +20,6 @@ FULL_SCALE: dict[type[np.generic], float] = {
     np.float64: 1.0,
 }
 
-# Luminance of R, G, B with the primaries of sRGB and ITU-R BT.709, on values as they are stored.
-LUMINANCE = (0.2126, 0.7152, 0.0722)
-
 
 def check_picture(name: str, picture: Any) -> NDArray[Any]:
     """`picture` as an array that can be edited: (H, W) or (H, W, C) of a known depth, with at least one value.
@@ -73,6 +70,11 @@ def to_storage(working: Values, dtype: np.dtype[Any]) -> NDArray[Any]:
     return np.clip(working, 0, FULL_SCALE[dtype.type], out=working).astype(dtype)
 
 
+def excess(working: Values, dtype: np.dtype[Any]) -> float:
+    """How far the values leave the range of a depth, in stored units; 0 if none does."""
+    return max(0.0, -float(working.min()), float(working.max()) - FULL_SCALE[dtype.type])
+
+
 def count_clipped(working: Values, dtype: np.dtype[Any]) -> int:
     """How many values `to_storage` would clip; none for floats."""
     if dtype.kind == "f":
@@ -80,15 +82,15 @@ def count_clipped(working: Values, dtype: np.dtype[Any]) -> int:
     return int(np.count_nonzero(working < -0.5) + np.count_nonzero(working > FULL_SCALE[dtype.type] + 0.5))
 
 
-def luminance(working: Values) -> Values:
-    """(n, w) luminance of (n, w, 3) values; those of one channel as they are."""
-    if working.shape[2] == 1:
-        return working[:, :, 0]
-    grey: Values = working @ np.array(LUMINANCE, working.dtype)
-    return grey
-
-
-def check_luminance(channels: int) -> None:
+def check_luminance(name: str, channels: int) -> None:
     """InputError if pictures of so many channels have no luminance."""
     if channels not in (1, 3):
-        raise InputError(f"luminance needs red, green and blue, but the source has {channels} channels")
+        raise InputError(f"luminance needs red, green and blue, but the {name} has {channels} channels")
+
+
+def check_colours(name: str, channels: int) -> None:
+    """InputError unless a picture has the three channels that colours need."""
+    if channels != 3:
+        raise InputError(
+            f"this needs red, green and blue, but the {name} has {channels} channel{'s'[: channels - 1]}"
+        )

@@ -1,23 +1,19 @@
-"""The paper's tools, each a few lines over one pipeline.
+"""Section 3: gradients imported from a source, and the membrane that needs none."""
 
-Pictures are (H, W) or (H, W, C) arrays of uint8, uint16, float32 or float64; floats have full scale 1.  The result
-has the destination's shape and dtype; outside the selection it is the destination, bit for bit.  No argument is
-modified.
-
-The functions here return an `Edit`: the picture and a report.  `poisson_cli.clone` and so on are the same functions
-and return the picture alone.
-"""
-
+from collections.abc import Sequence
 from typing import Any, Unpack
 
 from numpy.typing import NDArray
 
-from poisson_cli.editing import guidance, tone
-from poisson_cli.editing.compose import Edit, compose
+from poisson_cli.editing import colour, guidance, tone
+from poisson_cli.editing.compose import compose
 from poisson_cli.editing.guidance import GRADIENTS, Gradients
-from poisson_cli.editing.layers import Layer
 from poisson_cli.editing.placement import MaskOn, place
+from poisson_cli.editing.report import Edit
+from poisson_cli.editing.scene import Scene
 from poisson_cli.editing.solving import SolverOptions
+from poisson_cli.editing.spaces import SpaceName, named
+from poisson_cli.editing.transforms import Transform
 from poisson_cli.errors import InputError
 
 
@@ -30,6 +26,11 @@ def clone(
     mask_on: MaskOn = "source",
     gradients: Gradients = "source",
     monochrome: bool = False,
+    then: Sequence[Transform] = (),
+    screen: float = 0.0,
+    robust: bool = False,
+    rescale: bool = False,
+    space: SpaceName = "rgb",
     **options: Unpack[SolverOptions],
 ) -> Edit:
     """Seamless cloning: the source's gradients inside, the destination's values at the rim (eqs. 9-11).
@@ -48,6 +49,19 @@ def clone(
         "average" takes the mean of both pictures' gradients (Fig. 6c).
     monochrome : bool
         Import the source's luminance only, not its colours (Fig. 5).
+    then : sequence of Transform
+        What to do with the guidance before it is integrated, in this order: `Sieve`, `Scale`, `Attenuate`.
+    screen : float
+        Keeps the source's own colour away from the rim, within about 1 / sqrt(screen) pixels of it: adds
+        screen * (f - g) to the equations, per pixel.  0 is the paper's equation.
+    robust : bool
+        Boundary pixels whose mismatch f* - g is an outlier count less, so that an object which the selection touches
+        does not bleed into it.
+    rescale : bool
+        If the result would leave the range of the picture, multiply the guidance by the largest number below 1 with
+        which it does not; nothing is clipped then.
+    space : {"rgb", "linear", "lab"}
+        Solve in the values as stored (the paper's choice), in linear light (sRGB decoded), or in CIE-Lab (D65).
     **options
         See `SolverOptions`.
 
@@ -75,9 +89,21 @@ def clone(
     if gradients not in GRADIENTS:
         raise InputError(f"gradients is {gradients!r}, but must be one of {', '.join(map(repr, GRADIENTS))}")
     destination, source = _check_pair(destination, source)
+    if monochrome:
+        tone.check_luminance("source", source.shape[2] if source.ndim == 3 else 1)
     placement = place(destination.shape, source.shape, mask, offset=offset, mask_on=mask_on)
-    g = Layer.of_source(source, placement, _channels(destination), monochrome=monochrome)
-    return compose("clone", destination, placement, g, GRADIENTS[gradients], **options)
+    scene = Scene(destination, placement, source, colour.luminance if monochrome else None)
+    return compose(
+        "clone",
+        scene,
+        GRADIENTS[gradients],
+        named(space, destination.dtype),
+        then=then,
+        screen=screen,
+        robust=robust,
+        rescale=rescale,
+        **options,
+    )
 
 
 def mix(
@@ -87,6 +113,11 @@ def mix(
     *,
     offset: tuple[int, int] = (0, 0),
     mask_on: MaskOn = "source",
+    then: Sequence[Transform] = (),
+    screen: float = 0.0,
+    robust: bool = False,
+    rescale: bool = False,
+    space: SpaceName = "rgb",
     **options: Unpack[SolverOptions],
 ) -> Edit:
     """Mixing gradients: of each pixel pair the stronger gradient of both pictures (eq. 13).
@@ -96,11 +127,26 @@ def mix(
     """
     destination, source = _check_pair(destination, source)
     placement = place(destination.shape, source.shape, mask, offset=offset, mask_on=mask_on)
-    g = Layer.of_source(source, placement, _channels(destination))
-    return compose("mix", destination, placement, g, guidance.mixed, **options)
+    return compose(
+        "mix",
+        Scene(destination, placement, source),
+        guidance.mixed,
+        named(space, destination.dtype),
+        then=then,
+        screen=screen,
+        robust=robust,
+        rescale=rescale,
+        **options,
+    )
 
 
-def fill(image: NDArray[Any], mask: NDArray[Any], **options: Unpack[SolverOptions]) -> Edit:
+def fill(
+    image: NDArray[Any],
+    mask: NDArray[Any],
+    *,
+    space: SpaceName = "rgb",
+    **options: Unpack[SolverOptions],
+) -> Edit:
     """The membrane: the selection filled as smoothly as its rim allows (eq. 2).
 
     Parameters
@@ -109,12 +155,12 @@ def fill(image: NDArray[Any], mask: NDArray[Any], **options: Unpack[SolverOption
     mask : (H, W) array
         True or non-zero = fill.  What the picture holds there has no influence, unless everything is selected: then the
         result is the picture's mean.
-    **options
-        See `SolverOptions`.
+    space, **options
+        See `clone`.
     """
     image = tone.check_picture("image", image)
     placement = place(image.shape, image.shape, mask)
-    return compose("fill", image, placement, None, guidance.membrane, **options)
+    return compose("fill", Scene(image, placement), guidance.membrane, named(space, image.dtype), **options)
 
 
 def _check_pair(destination: Any, source: Any) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -126,7 +172,3 @@ def _check_pair(destination: Any, source: Any) -> tuple[NDArray[Any], NDArray[An
             f"the source is {source.dtype} but the destination is {destination.dtype}: convert the source first"
         )
     return destination, source
-
-
-def _channels(picture: NDArray[Any]) -> int | None:
-    return picture.shape[2] if picture.ndim == 3 else None

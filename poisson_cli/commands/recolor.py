@@ -1,0 +1,83 @@
+"""``poisson recolor``: local colour changes, Fig. 11."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from poisson_cli import options
+from poisson_cli.params import FACTORS, FILE, NOT_NEGATIVE, NUMBER
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from poisson_cli.settings import Output, Reporting, Selection, Solver
+
+__all__ = ["command"]
+
+
+@click.command(short_help="Change the colours in a selection, seamlessly.")
+@click.argument("image", type=FILE)
+@options.selection
+@click.option(
+    "--gain",
+    type=FACTORS,
+    metavar="R,G,B",
+    default="1,1,1",
+    show_default=True,
+    help="Multiply red, green and blue.",
+)
+@click.option(
+    "--hue",
+    type=NUMBER,
+    metavar="DEGREES",
+    default=0.0,
+    help="Turn the colours round the circle: 180 is opposite.",
+)
+@click.option(
+    "--saturation",
+    type=NOT_NEGATIVE,
+    metavar="F",
+    default=1.0,
+    help="Multiply how colourful they are: 0 is grey.",
+)
+@click.option("--decolor-background", is_flag=True, help="Make the picture grey outside the selection.")
+@options.screen
+@options.rescale
+@options.space
+@options.output
+@options.solver
+@options.reporting
+def command(
+    image: Path,
+    selection: Selection,
+    solver: Solver,
+    output: Output,
+    reporting: Reporting,
+    **parameters: Any,
+) -> None:
+    """Change the colours in a selection of IMAGE; a loose outline around the object will do.
+
+    The recoloured picture is cloned into the original, so that what is around the object keeps its colour.
+
+    \b
+    Example: a yellow flower made red, roughly outlined in flower.png:
+      poisson recolor garden.jpg -m flower.png --gain 1.5,.5,.5 -o out.png
+    """
+    from poisson_cli import attended
+    from poisson_cli.job import Job
+
+    attended.run(
+        [
+            Job(
+                tool="recolor",
+                destination=image,
+                selection=selection,
+                parameters=parameters,
+                solver=solver,
+                output=output,
+            )
+        ],
+        reporting,
+    )

@@ -1,0 +1,66 @@
+"""``poisson relight``: local illumination changes, eq. (16)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from poisson_cli import options
+from poisson_cli.params import FILE
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from poisson_cli.settings import Output, Reporting, Selection, Solver
+
+__all__ = ["command"]
+
+
+@click.command(short_help="Even out the light in a selection.")
+@click.argument("image", type=FILE)
+@options.selection
+@options.relight
+@click.option(
+    "--per-channel",
+    is_flag=True,
+    help="Treat red, green and blue each by itself, which evens out coloured light too; by default colours keep the "
+    "ratios of their channels.",
+)
+@options.rescale
+@options.space
+@options.output
+@options.solver
+@options.reporting
+def command(
+    image: Path,
+    selection: Selection,
+    solver: Solver,
+    output: Output,
+    reporting: Reporting,
+    **parameters: Any,
+) -> None:
+    """Even out the light in a selection of IMAGE: large changes of brightness become smaller, small ones larger.
+
+    Brings out what lies in shadow, and softens reflections.
+
+    \b
+    Example: a face against the light, white in face.png:
+      poisson relight portrait.jpg -m face.png --beta .3 -o out.png
+    """
+    from poisson_cli import attended
+    from poisson_cli.job import Job
+
+    attended.run(
+        [
+            Job(
+                tool="relight",
+                destination=image,
+                selection=selection,
+                parameters=parameters,
+                solver=solver,
+                output=output,
+            )
+        ],
+        reporting,
+    )

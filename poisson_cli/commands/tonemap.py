@@ -1,0 +1,111 @@
+"""``poisson tonemap``: compression of the dynamic range (Fattal, Lischinski and Werman, 2002)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from poisson_cli import options
+from poisson_cli.params import FILE, NOT_NEGATIVE, NUMBER, POSITIVE
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from poisson_cli.settings import Output, Reporting, Solver
+
+__all__ = ["command"]
+
+
+@click.command(short_help="Lighten shadows and hold back lights, keeping detail.")
+@click.argument("image", type=FILE)
+@click.option(
+    "--alpha",
+    type=POSITIVE,
+    metavar="F",
+    default=0.1,
+    show_default=True,
+    help="Gradients of the logarithm above F times their mean become weaker, those below it stronger, at every scale.",
+)
+@click.option(
+    "--beta",
+    type=NUMBER,
+    metavar="F",
+    default=0.1,
+    show_default=True,
+    help="How much so: 0 is not at all.",
+)
+@click.option(
+    "--saturation",
+    type=NOT_NEGATIVE,
+    metavar="F",
+    default=0.8,
+    show_default=True,
+    help="How much of the colour to keep: 1 is all of it.",
+)
+@click.option(
+    "--black",
+    type=NOT_NEGATIVE,
+    metavar="PERCENT",
+    default=0.5,
+    show_default=True,
+    help="Share of the pixels that may become darker than they are, so that the others need not.",
+)
+@click.option(
+    "--white",
+    type=POSITIVE,
+    metavar="PERCENT",
+    default=99.5,
+    show_default=True,
+    help="Share of the pixels that stay below the greatest brightness.",
+)
+@click.option(
+    "--floor",
+    type=POSITIVE,
+    metavar="F",
+    default=0.01,
+    show_default=True,
+    help="What is darker than F times the lights counts for little: less for pictures of a large range.",
+)
+@click.option(
+    "--gamma",
+    type=POSITIVE,
+    metavar="F",
+    default=1.0,
+    show_default=True,
+    help="Brighten the middle tones of the result: for pictures that store linear light.",
+)
+@options.space
+@options.output
+@options.solver
+@options.reporting
+def command(
+    image: Path,
+    solver: Solver,
+    output: Output,
+    reporting: Reporting,
+    **parameters: Any,
+) -> None:
+    """Lighten the shadows of IMAGE and hold back its lights, keeping the detail in both.
+
+    For dark or contrasty pictures; the whole picture changes.
+
+    \b
+    Example:
+      poisson tonemap church.jpg -o out.png
+    """
+    from poisson_cli import attended
+    from poisson_cli.job import Job
+
+    attended.run(
+        [
+            Job(
+                tool="tonemap",
+                destination=image,
+                parameters=parameters,
+                solver=solver,
+                output=output,
+            )
+        ],
+        reporting,
+    )

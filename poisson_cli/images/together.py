@@ -1,0 +1,106 @@
+"""Writing several picture files: all of them, or none."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import secrets
+import shutil
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+
+from poisson_cli.errors import OutputError
+from poisson_cli.images.picture import Picture
+from poisson_cli.images.target import Target
+from poisson_cli.images.writing import write
+
+__all__ = ["refuse_doubles", "write_together"]
+
+
+def refuse_doubles(targets: Sequence[Target]) -> None:
+    """Refuse two outputs that are one file.
+
+    Parameters
+    ----------
+    targets
+        All outputs of one run.
+
+    Raises
+    ------
+    OutputError
+        Naming the file.
+    """
+    seen: set[Path] = set()
+    for target in targets:
+        if target.real in seen:
+            raise OutputError(f"{target.path}: two outputs would go into this file; give each its own name")
+        seen.add(target.real)
+
+
+def write_together(outputs: Sequence[tuple[Target, Picture]]) -> None:
+    """Write pictures in their order; if one cannot be written, those before it are undone.
+
+    Parameters
+    ----------
+    outputs
+        Targets from `prepare`, no two of them the same file, and what to write there.
+
+    Raises
+    ------
+    OutputError
+        As `write`; every target is as it was before.
+    """
+    if not outputs:
+        return
+    (target, picture), *rest = outputs
+    if not rest:
+        write(target, picture)
+        return
+    with _undoing(target) as undo:
+        write(target, picture)
+        try:
+            write_together(rest)
+        except BaseException:  # a signal as well
+            undo()
+            raise
+
+
+@contextlib.contextmanager
+def _undoing(target: Target) -> Iterator[Callable[[], None]]:
+    """Keep what a file is now under another name, for as long as its replacement may have to be undone.
+
+    Parameters
+    ----------
+    target
+        The file; there need not be one yet.
+
+    Yields
+    ------
+    callable
+        Puts the old file back, or removes the new one if there was none.
+    """
+    kept = target.real.with_name(f".poisson-{secrets.token_hex(8)}.old")
+
+    def undo() -> None:
+        if kept.exists():
+            os.replace(kept, target.real)
+        else:
+            target.real.unlink(missing_ok=True)
+
+    try:
+        if target.real.exists():
+            try:
+                _duplicate(target.real, kept)
+            except OSError as error:
+                raise OutputError(f"{target.path}: cannot be written ({error.strerror or error})") from error
+        yield undo
+    finally:
+        kept.unlink(missing_ok=True)
+
+
+def _duplicate(path: Path, other: Path) -> None:
+    """Give a file's content a second name."""
+    try:
+        os.link(path, other)
+    except OSError:  # a file system without hard links
+        shutil.copy2(path, other)
