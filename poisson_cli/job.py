@@ -20,7 +20,7 @@ import numpy as np
 from poisson_cli import answering, editing
 from poisson_cli.errors import InputError
 from poisson_cli.images import Picture, prepare, read, write
-from poisson_cli.masks import Canvas, select
+from poisson_cli.masks import Canvas, leave_out_transparent, select
 from poisson_cli.settings import Output, Placement, Selection, Solver
 
 __all__ = ["Job", "Summary", "run"]
@@ -76,6 +76,8 @@ class Summary:
         Seconds per stage in order, reading and writing included.
     profile_dropped
         Whether the destination's ICC profile had to stay behind, because the format cannot hold it.
+    notices
+        What the user should know about the inputs, a line each.
     """
 
     edit: editing.EditReport
@@ -83,6 +85,7 @@ class Summary:
     output: Path
     seconds: Mapping[str, float]
     profile_dropped: bool
+    notices: tuple[str, ...] = ()
 
 
 def run(job: Job, progress: Callable[[int, float], None] | None = None) -> Summary:
@@ -112,7 +115,13 @@ def run(job: Job, progress: Callable[[int, float], None] | None = None) -> Summa
         target.check_fits(destination)
         source = None if job.source is None else _read_source(job, destination)
     with _timed(seconds, "select"):
-        mask = select(job.selection, _canvas(job, destination, source))
+        selected = select(job.selection, _canvas(job, destination, source))
+        if source is not None:
+            where = job.placement
+            selected = leave_out_transparent(
+                selected, source, job.selection.threshold, where.offset, where.mask_on
+            )
+    mask = selected.mask
     tool: Callable[..., editing.Edit] = getattr(editing, job.tool)
     keywords = {**dataclasses.asdict(job.solver), "progress": progress, **job.parameters}
     if source is None:
@@ -138,6 +147,7 @@ def run(job: Job, progress: Callable[[int, float], None] | None = None) -> Summa
         output=job.output.path,
         seconds=seconds,
         profile_dropped=profile is not None and not target.form.can_hold_profile(profile),
+        notices=selected.notices,
     )
 
 
@@ -145,18 +155,13 @@ def _read_source(job: Job, destination: Picture) -> Picture:
     """Read the source, and refuse one whose colours have no place in the destination."""
     assert job.source is not None
     source = read(job.source)
-    if source.alpha is not None and source.alpha.min() < 255:
-        raise InputError(
-            f"{source.name}: the source is transparent in places; flatten it onto a background first "
-            "(as a mask, with -m, its opaque part selects)"
-        )
     if source.pixels.ndim > destination.pixels.ndim and not job.parameters.get("monochrome"):
         way_out = " or add --monochrome" if "monochrome" in job.parameters else ""
         raise InputError(
             f"{source.name} is {source.layout}, but the destination {destination.name} is {destination.layout}; "
             f"convert one of them{way_out}"
         )
-    return dataclasses.replace(source, alpha=None)
+    return source
 
 
 def _canvas(job: Job, destination: Picture, source: Picture | None) -> Canvas:

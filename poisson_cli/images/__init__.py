@@ -7,8 +7,8 @@ whole or not at all. Nothing outside this package knows a decoder.
 from __future__ import annotations
 
 from poisson_cli.images.picture import Picture
-from poisson_cli.images.reading import read
+from poisson_cli.images.reading import decode, decode_indices, read, read_bytes
 from poisson_cli.images.target import Target, prepare
 from poisson_cli.images.writing import write
 
-__all__ = ["Picture", "Target", "prepare", "read", "write"]
+__all__ = ["Picture", "Target", "decode", "decode_indices", "prepare", "read", "read_bytes", "write"]
