@@ -267,7 +267,7 @@ selection: Final = _bundle(
             help="Leave out what is at most N pixels from what is not selected so far.",
         ),
         click.option(
-            "--invert-mask", "invert", is_flag=True, help="At last, edit what was not selected instead."
+            "--invert-mask", "invert", is_flag=True, help="In the end, edit what was not selected instead."
         ),
         click.option(
             "--mask-threshold",

@@ -135,6 +135,10 @@ class Selection:
     threshold
         8-bit value from which a pixel of a mask picture is selected.
 
+    Notes
+    -----
+    `poisson_cli.masks.plan` says what a selection looks like in JSON.
+
     Examples
     --------
     A ring, and what a file selects:

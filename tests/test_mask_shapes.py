@@ -231,7 +231,7 @@ def test_showing_changes_no_selected_pixel():
 
 @pytest.mark.parametrize(
     "module",
-    ["growth", "overlay", "points", "raster", "runs", "shapes", "annotations.rle"],
+    ["growth", "overlay", "plan", "points", "raster", "runs", "shapes", "annotations.rle"],
 )
 def test_examples_in_docstrings(module):
     tried = doctest.testmod(importlib.import_module(f"poisson_cli.masks.{module}"))

@@ -14,6 +14,7 @@ from poisson_cli.masks.canvas import Canvas
 from poisson_cli.masks.growth import grow, shrink
 from poisson_cli.masks.opacity import leave_out_transparent
 from poisson_cli.masks.overlay import show
+from poisson_cli.masks.plan import selection_of
 from poisson_cli.masks.points import parse_points
 from poisson_cli.masks.raster import strength
 from poisson_cli.masks.selection import Selected, select
@@ -32,6 +33,7 @@ __all__ = [
     "parse_points",
     "read_mask",
     "select",
+    "selection_of",
     "show",
     "shrink",
     "strength",

@@ -15,6 +15,9 @@ FARTHEST: Final = 1e9
 MOST_POINTS: Final = 1_000_000
 """Corners of one polygon."""
 
+_LONGEST_TEXT: Final = 1 << 25
+"""Characters."""
+
 _LONGEST: Final = 100
 """Characters of a point; whoever writes more means something else."""
 
@@ -48,7 +51,7 @@ def parse_points(text: str) -> tuple[tuple[float, float], ...]:
     >>> parse_points("0,0  4.5,0  4.5,-2")
     ((0.0, 0.0), (0.0, 4.5), (-2.0, 4.5))
     """
-    if text.count(",") > MOST_POINTS:
+    if text.count(",") > MOST_POINTS or len(text) > _LONGEST_TEXT:
         raise InputError(f"a polygon with more than {MOST_POINTS:,} corners; simplify it")
     points = []
     for number, line in enumerate(_COMMENT.sub("", text).split("\n"), start=1):

@@ -14,8 +14,8 @@ from poisson_cli.masks.points import FARTHEST
 
 __all__ = ["LARGEST", "choices", "coordinates", "items", "load", "mapping", "picture_size", "shown"]
 
-LARGEST: Final = 1 << 26
-"""Characters of a document; read into memory it can be thirty times as large."""
+LARGEST: Final = 1 << 25
+"""Characters of a document; read into memory it can be forty times as large."""
 
 
 def load(text: str) -> Any:

@@ -13,6 +13,9 @@ from poisson_cli.masks.canvas import Canvas
 
 __all__ = ["decode_counts", "rle_runs"]
 
+_LONGEST: Final = 1 << 23
+"""Characters of compressed counts: more than an outline has, and few enough for a second and half a gigabyte."""
+
 _MOST_DIGITS: Final = 7
 """Digits of one number: 35 bits with its sign, enough for any picture, and no sum of them leaves 64 bits."""
 
@@ -85,18 +88,26 @@ def decode_counts(text: str, what: str) -> NDArray[np.int64]:
     >>> decode_counts("52203", "an example").tolist()
     [5, 2, 2, 2, 5]
     """
-    digits = np.frombuffer(text.encode("utf-32-le", "surrogatepass"), np.uint32).astype(np.int64) - 48
+    if len(text) > _LONGEST:
+        raise InputError(f"the counts of {what} are more than {_LONGEST:,} characters; simplify the mask")
+    digits = np.frombuffer(text.encode("ascii", "replace"), np.uint8).astype(np.int16) - 48
     if digits.size == 0:
-        return digits
+        return np.zeros(0, np.int64)
     last = np.flatnonzero(digits < 32)  # the last digit of each number
     first = np.concatenate(([0], last[:-1] + 1))
-    if digits.min() < 0 or digits.max() > 63 or last.size == 0 or last[-1] != digits.size - 1:
+    if (
+        not text.isascii()
+        or digits.min() < 0
+        or digits.max() > 63
+        or last.size == 0
+        or last[-1] != digits.size - 1
+    ):
         raise InputError(f"the counts of {what} are not compressed as COCO does it")
     length = last + 1 - first
     if length.max() > _MOST_DIGITS:
         raise InputError(f"the counts of {what} have a number that is larger than any picture")
     shift = 5 * (np.arange(digits.size) - np.repeat(first, length))
-    numbers: NDArray[np.int64] = np.add.reduceat((digits & 31) << shift, first)
+    numbers: NDArray[np.int64] = np.add.reduceat((digits & 31).astype(np.int64) << shift, first)
     numbers -= ((digits[last] & 16) != 0) * (np.int64(1) << 5 * length)
     numbers[1::2] = np.cumsum(numbers[1::2])
     numbers[2::2] = np.cumsum(numbers[2::2])
