@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from poisson_cli import options
 from poisson_cli.errors import InputError
-from poisson_cli.masks import selection_of
+from poisson_cli.masks.plan import selection_of
 from poisson_cli.settings import Selection
 from tests.test_mask_parsers import places, replaced, values
 

@@ -6,6 +6,8 @@
     from poisson_cli.settings import Polygon
     mask = masks.draw_polygon(Polygon(((10, 10), (10, 90), (50, 50))), shape=(100, 100))
     mask = masks.grow(mask, 3)
+
+`poisson_cli.masks.plan` reads a selection from JSON.
 """
 
 from __future__ import annotations
@@ -14,7 +16,6 @@ from poisson_cli.masks.canvas import Canvas
 from poisson_cli.masks.growth import grow, shrink
 from poisson_cli.masks.opacity import leave_out_transparent
 from poisson_cli.masks.overlay import show
-from poisson_cli.masks.plan import selection_of
 from poisson_cli.masks.points import parse_points
 from poisson_cli.masks.raster import strength
 from poisson_cli.masks.selection import Selected, select
@@ -33,7 +34,6 @@ __all__ = [
     "parse_points",
     "read_mask",
     "select",
-    "selection_of",
     "show",
     "shrink",
     "strength",

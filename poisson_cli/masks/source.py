@@ -16,6 +16,7 @@ import codecs
 import os
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +24,6 @@ from numpy.typing import NDArray
 from poisson_cli.errors import InputError
 from poisson_cli.images import read_bytes
 from poisson_cli.images.formats import listed, recognise
-from poisson_cli.masks.annotations import draw_annotations
-from poisson_cli.masks.annotations.document import LARGEST
 from poisson_cli.masks.canvas import Canvas
 from poisson_cli.masks.points import parse_points
 from poisson_cli.masks.raster import count_near, decode_strength
@@ -32,6 +31,9 @@ from poisson_cli.masks.shapes import draw_polygon
 from poisson_cli.settings import MaskFile, Polygon
 
 __all__ = ["Drawn", "decode_mask", "locate", "read_mask"]
+
+_LARGEST: Final = 1 << 27
+"""Bytes of a text; what it may hold has limits of its own, in characters."""
 
 
 @dataclass(frozen=True)
@@ -107,6 +109,8 @@ def decode_mask(data: bytes, name: str, part: str | None, canvas: Canvas, thresh
     text = _text(data)
     try:
         if text.startswith(("{", "[")):
+            from poisson_cli.masks.annotations import draw_annotations  # most runs can do without JSON
+
             return Drawn(draw_annotations(text, part, canvas))
         if text[:1] and text[0] in "+-.#0123456789":
             if part is not None:
@@ -122,7 +126,7 @@ def decode_mask(data: bytes, name: str, part: str | None, canvas: Canvas, thresh
 
 def _text(data: bytes) -> str:
     """The file as text without what is blank at its ends; empty if it is none, or larger than any mask's text."""
-    if len(data) > 4 * LARGEST:
+    if len(data) > _LARGEST:
         return ""
     wide = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
