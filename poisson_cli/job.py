@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from poisson_cli import answering, editing, steps
 from poisson_cli.errors import InputError
 from poisson_cli.images import Picture, Target, prepare, read, refuse_doubles, write_together
-from poisson_cli.masks import Canvas, select
+from poisson_cli.masks import Canvas, leave_out_transparent, select
 from poisson_cli.settings import Edges, Output, Placement, Selection, Solver, Then
 
 __all__ = ["Job", "Progress", "Summary", "run", "run_together"]
@@ -93,6 +93,8 @@ class Summary:
         Other files that were written: what they show, and where.
     guarded
         Whether anything was done against colours that bleed in.
+    notices
+        What the user should know about the inputs, a line each.
     """
 
     edit: editing.EditReport
@@ -102,6 +104,7 @@ class Summary:
     profile_dropped: bool
     beside: Mapping[str, Path] = field(default_factory=dict)
     guarded: bool = False
+    notices: tuple[str, ...] = ()
 
 
 def run(job: Job, progress: Progress | None = None) -> Summary:
@@ -177,10 +180,11 @@ class _Inputs(NamedTuple):
 
 
 class _Made(NamedTuple):
-    """What became of a job: the report, the pixels selected, and the pictures to write, by what they are."""
+    """What became of a job: the report, the pixels selected, notices, and the pictures to write, by what they are."""
 
     report: editing.EditReport
     selected: int | None
+    notices: tuple[str, ...]
     pictures: dict[str, Picture]
 
 
@@ -214,14 +218,23 @@ def _make(job: Job, inputs: _Inputs, seconds: dict[str, float], progress: Progre
     tool: Callable[..., editing.Edit] = getattr(editing, job.tool)
     arrays: list[NDArray[Any]] = [picture.pixels for picture in inputs if picture is not None]
     keywords = {**dataclasses.asdict(job.solver), "progress": progress, **job.parameters}
-    selected = None
+    n_selected: int | None = None
+    notices: tuple[str, ...] = ()
     if source is not None:
         keywords |= dataclasses.asdict(job.placement)
     if job.selection is not None:
         with _timed(seconds, "select"):
-            mask = select(job.selection, _canvas(job, destination, source))
-        selected = int(np.count_nonzero(mask))
-        arrays.append(mask)
+            selected = select(job.selection, _canvas(job, destination, source))
+            if source is not None:
+                selected = leave_out_transparent(
+                    selected,
+                    source,
+                    job.selection.threshold,
+                    job.placement.offset,
+                    job.placement.mask_on,
+                )
+        n_selected, notices = int(np.count_nonzero(selected.mask)), selected.notices
+        arrays.append(selected.mask)
     edges, edges_of = _edges(job), source or destination
     sieve = None if edges is None else steps.edge_keywords(edges, edges_of)
     if job.then is not None:
@@ -236,7 +249,7 @@ def _make(job: Job, inputs: _Inputs, seconds: dict[str, float], progress: Progre
         pictures["edges"] = Picture(str(edges.show), steps.drawn_edges(edges_of, **sieve))
     if job.preview is not None:
         pictures["preview"] = _three_times_three(result)
-    return _Made(edit.report, selected, pictures)
+    return _Made(edit.report, n_selected, notices, pictures)
 
 
 def _edges(job: Job) -> Edges | None:
@@ -273,6 +286,7 @@ def _summary(job: Job, made: _Made, targets: Mapping[str, Target], seconds: Mapp
         profile_dropped=profile is not None and not targets["result"].form.can_hold_profile(profile),
         beside={what: target.path for what, target in targets.items() if what != "result"},
         guarded=bool(job.parameters.get("screen") or job.parameters.get("robust")),
+        notices=made.notices,
     )
 
 
@@ -291,18 +305,13 @@ def _read_source(job: Job, destination: Picture) -> Picture:
     """Read the source, and refuse one whose colours have no place in the destination."""
     assert job.source is not None
     source = read(job.source)
-    if source.alpha is not None and source.alpha.min() < 255:
-        raise InputError(
-            f"{source.name}: the source is transparent in places; flatten it onto a background first "
-            "(as a mask, with -m, its opaque part selects)"
-        )
     if source.pixels.ndim > destination.pixels.ndim and not job.parameters.get("monochrome"):
         way_out = " or add --monochrome" if "monochrome" in job.parameters else ""
         raise InputError(
             f"{source.name} is {source.layout}, but the destination {destination.name} is {destination.layout}; "
             f"convert one of them{way_out}"
         )
-    return dataclasses.replace(source, alpha=None)
+    return source
 
 
 def _canvas(job: Job, destination: Picture, source: Picture | None) -> Canvas:

@@ -8,23 +8,40 @@ keywords of the tools, and hand them over as they are.
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, Final, Literal
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Final, Literal, cast
 
 import click
 from click.core import ParameterSource
 
 from poisson_cli import defaults
-from poisson_cli.params import COUNT, EIGHT_BIT, FILE, NOT_NEGATIVE, NUMBER, POINT, POSITIVE, RECTANGLE
+from poisson_cli.params import (
+    COUNT,
+    EIGHT_BIT,
+    ELLIPSE,
+    FILE,
+    LASSO,
+    MASK,
+    NOT_NEGATIVE,
+    NUMBER,
+    POINT,
+    POLYGON,
+    POSITIVE,
+    RECTANGLE,
+)
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from click.parser import _OptionParser
+
     from poisson_cli.settings import (
+        Combine,
         Edges,
+        Grow,
+        How,
         Output,
         Placement,
-        Rectangle,
         Reporting,
         Selection,
         Solver,
@@ -124,14 +141,83 @@ placement: Final = _bundle(
 )
 
 
-def _selection(
-    masks: tuple[Path, ...], rectangles: tuple[Rectangle, ...], invert: bool, threshold: int
-) -> Selection:
+_ORDER: Final = f"{__name__}.order"
+"""Where `_NotesOrder` leaves the names of the options, as often as they came, in a context's ``meta``."""
+
+
+class _NotesOrder(click.Option):
+    """An option that also notes in which order all options of its command came.
+
+    Only click's parser knows the order, and drops it: a command gets the values of each option by themselves.
+    """
+
+    def add_to_parser(self, parser: _OptionParser, ctx: click.Context) -> None:
+        super().add_to_parser(parser, ctx)
+        parse = parser.parse_args
+
+        def parse_and_note(
+            args: list[str],
+        ) -> tuple[dict[str, Any], list[str], list[click.Parameter]]:
+            values, rest, order = parse(args)
+            ctx.meta[_ORDER] = [parameter.name for parameter in order]
+            return values, rest, order
+
+        parser.parse_args = parse_and_note  # type: ignore[method-assign]
+
+
+_SWITCHES: Final = ("add", "subtract", "intersect")
+
+
+def _selection(invert: bool, threshold: int, **given: Any) -> Selection:
     from poisson_cli.settings import Selection
 
-    if not masks and not rectangles:
-        raise click.UsageError("No selection given: name a mask with -m, or a rectangle with --rect X,Y,W,H.")
-    return Selection(masks=masks, rectangles=rectangles, invert=invert, threshold=threshold)
+    areas = {name: iter(values) for name, values in given.items() if isinstance(values, tuple)}
+    order = click.get_current_context().meta[_ORDER]
+    steps = tuple(_steps([name for name in order if name in given], areas))
+    if not steps:
+        raise click.UsageError(
+            "No selection given: name a mask with -m, or draw one with --rect, --ellipse, --polygon or --lasso."
+        )
+    return Selection(steps=steps, invert=invert, threshold=threshold)
+
+
+def _steps(order: Sequence[str], values: Mapping[str, Iterator[Any]]) -> Iterator[Combine | Grow]:
+    """The steps of a selection, in the order of the command line.
+
+    Parameters
+    ----------
+    order
+        Names of the options that select, as often as they came.
+    values
+        What came with each.
+    """
+    from poisson_cli.settings import Combine, Grow
+
+    how = "add"
+    unused = ""  # a switch that no mask or shape has followed yet
+    nothing_yet = True
+    for name in order:
+        if name in _SWITCHES:
+            _refuse_unused(unused)
+            how = unused = name
+        elif name in ("grow", "shrink"):
+            if nothing_yet:
+                raise click.UsageError(f"--{name} works on what was selected before it, and nothing was.")
+            pixels: int = next(values[name])
+            yield Grow(pixels if name == "grow" else -pixels)
+        else:
+            if nothing_yet and how != "add":
+                raise click.UsageError(f"--{how} works on what was selected before it, and nothing was.")
+            yield Combine(next(values[name]), cast("How", how))
+            unused, nothing_yet = "", False
+    _refuse_unused(unused)
+
+
+def _refuse_unused(switch: str) -> None:
+    if switch:
+        raise click.UsageError(
+            f"--{switch} has no effect: put it before the masks and shapes that it is for."
+        )
 
 
 selection: Final = _bundle(
@@ -141,21 +227,77 @@ selection: Final = _bundle(
         click.option(
             "-m",
             "--mask",
-            "masks",
-            type=FILE,
+            "mask",
+            cls=_NotesOrder,
+            type=MASK,
+            metavar="FILE[:PART]",
             multiple=True,
-            help="Picture that is white where to edit. Of one that is transparent in places, what is opaque counts; "
-            "of one with a colour palette, what is not black. May be repeated: the selections are joined.",
+            help="What to edit. A picture, white where to edit: of one that is transparent in places, what is opaque "
+            "counts; of one with a colour palette, what is not black. Of a picture, PART can be alpha, red, green, "
+            "blue or index=N, an entry of its palette. Or labelme's or COCO's JSON; PART is a label, a category, or "
+            "the id of an annotation. Or a text file with the corners of a polygon, x,y in each line. "
+            "May be repeated and mixed with the shapes below: all are joined, unless a switch below says otherwise.",
         ),
         click.option(
             "--rect",
-            "rectangles",
+            "rect",
             type=RECTANGLE,
             metavar="X,Y,W,H",
             multiple=True,
-            help="Rectangle to edit, W by H pixels with its top-left corner at X,Y. May be repeated.",
+            help="Rectangle to edit, W by H pixels with its top-left corner at X,Y.",
         ),
-        click.option("--invert-mask", "invert", is_flag=True, help="Edit what was not selected instead."),
+        click.option(
+            "--ellipse",
+            type=ELLIPSE,
+            metavar="X,Y,W,H",
+            multiple=True,
+            help="The ellipse inside such a rectangle.",
+        ),
+        click.option(
+            "--polygon",
+            type=POLYGON,
+            metavar='"X,Y X,Y ..."',
+            multiple=True,
+            help="Polygon with these corners; fractions are allowed. Where it overlaps itself is a hole.",
+        ),
+        click.option(
+            "--lasso",
+            type=LASSO,
+            metavar='"X,Y X,Y ..."',
+            multiple=True,
+            help="All that a line drawn by hand goes round, overlaps included; its ends are joined.",
+        ),
+        click.option(
+            "--add", is_flag=True, help="Join the masks and shapes that follow, as is done by default."
+        ),
+        click.option(
+            "--subtract",
+            is_flag=True,
+            help="Take the masks and shapes that follow, up to the next of these switches, away from what is "
+            "selected so far.",
+        ),
+        click.option(
+            "--intersect",
+            is_flag=True,
+            help="Of what is selected so far, keep what lies in each of the masks and shapes that follow.",
+        ),
+        click.option(
+            "--grow",
+            type=COUNT,
+            metavar="N",
+            multiple=True,
+            help="Select also what is at most N pixels from what is selected so far.",
+        ),
+        click.option(
+            "--shrink",
+            type=COUNT,
+            metavar="N",
+            multiple=True,
+            help="Leave out what is at most N pixels from what is not selected so far.",
+        ),
+        click.option(
+            "--invert-mask", "invert", is_flag=True, help="In the end, edit what was not selected instead."
+        ),
         click.option(
             "--mask-threshold",
             "threshold",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Literal
 
 import click
 
@@ -14,16 +14,20 @@ if TYPE_CHECKING:
 
     from click.shell_completion import CompletionItem
 
-    from poisson_cli.settings import Rectangle
+    from poisson_cli.settings import Ellipse, MaskFile, Polygon, Rectangle
 
 __all__ = [
     "COUNT",
     "EIGHT_BIT",
+    "ELLIPSE",
     "FACTORS",
     "FILE",
+    "LASSO",
+    "MASK",
     "NOT_NEGATIVE",
     "NUMBER",
     "POINT",
+    "POLYGON",
     "POSITIVE",
     "RECTANGLE",
 ]
@@ -76,6 +80,40 @@ class _Rectangle(_Integers):
         return Rectangle(row=y, col=x, height=height, width=width)
 
 
+class _Ellipse(_Rectangle):
+    """``X,Y,W,H`` of the rectangle around it, converted to an `Ellipse`."""
+
+    def convert(  # type: ignore[override]
+        self, value: str | Ellipse, param: click.Parameter | None, ctx: click.Context | None
+    ) -> Ellipse:
+        from poisson_cli.settings import Ellipse
+
+        return value if isinstance(value, Ellipse) else Ellipse(super().convert(value, param, ctx))
+
+
+class _Polygon(click.ParamType):  # type: ignore[type-arg]
+    """``X,Y X,Y ...``, fractions allowed, converted to a `Polygon`."""
+
+    name = "x,y x,y ..."
+
+    def __init__(self, rule: Literal["even-odd", "nonzero"]) -> None:
+        self._rule = rule
+
+    def convert(
+        self, value: str | Polygon, param: click.Parameter | None, ctx: click.Context | None
+    ) -> Polygon:
+        from poisson_cli.errors import InputError
+        from poisson_cli.masks.points import parse_points
+        from poisson_cli.settings import Polygon
+
+        if isinstance(value, Polygon):
+            return value
+        try:
+            return Polygon(parse_points(value), self._rule)
+        except InputError as error:
+            self.fail(str(error), param, ctx)
+
+
 class _File(click.ParamType):  # type: ignore[type-arg]
     """A path as typed; whether it can be read or written is no matter of usage, so it is not asked here."""
 
@@ -95,6 +133,20 @@ class _File(click.ParamType):  # type: ignore[type-arg]
         from click.shell_completion import CompletionItem
 
         return [CompletionItem(incomplete, type="file")]
+
+
+class _MaskFile(_File):
+    """A path, perhaps with a colon and a part of the file behind it, converted to a `MaskFile`."""
+
+    def convert(  # type: ignore[override]
+        self, value: str | MaskFile, param: click.Parameter | None, ctx: click.Context | None
+    ) -> MaskFile:
+        from poisson_cli.settings import MaskFile
+
+        if isinstance(value, MaskFile):
+            return value
+        super().convert(value, param, ctx)
+        return MaskFile(value)
 
 
 class _Between(click.ParamType):  # type: ignore[type-arg]
@@ -160,8 +212,12 @@ class _Factors(click.ParamType):  # type: ignore[type-arg]
 
 
 FILE: Final = _File()
+MASK: Final = _MaskFile()
 POINT: Final = _Point("X,Y", "40,-12")
 RECTANGLE: Final = _Rectangle("X,Y,W,H", "10,20,300,200")
+ELLIPSE: Final = _Ellipse("X,Y,W,H", "10,20,300,200")
+POLYGON: Final = _Polygon("even-odd")
+LASSO: Final = _Polygon("nonzero")
 EIGHT_BIT: Final = _Between(1, 255)
 COUNT: Final = _Between(1, 999_999_999)
 NUMBER: Final = _Number("", lambda number: not math.isnan(number))

@@ -15,9 +15,10 @@ from poisson_cli.streams import silence
 if TYPE_CHECKING:
     from poisson_cli.editing import EditReport
     from poisson_cli.job import Summary
+    from poisson_cli.masking import MaskSummary
     from poisson_cli.settings import Reporting
 
-__all__ = ["as_dict", "details", "hints", "line", "tell"]
+__all__ = ["as_dict", "details", "hints", "line", "mask_as_dict", "mask_line", "tell", "tell_mask"]
 
 LARGE_MISMATCH: Final = 100.0
 """Levels between source and destination, the mean along the border, from which a clone is unlike its source.
@@ -47,6 +48,8 @@ def tell(summary: Summary, reporting: Reporting) -> None:
         How much to say.
     """
     if not reporting.quiet:
+        for notice in summary.notices:
+            _print(f"poisson: note: {notice}", sys.stderr)
         _print(line(summary), sys.stderr)
         if reporting.verbose:
             _print(details(summary), sys.stderr)
@@ -54,6 +57,24 @@ def tell(summary: Summary, reporting: Reporting) -> None:
             _print(f"poisson: hint: {hint}", sys.stderr)
     if reporting.json:
         _print(json.dumps(as_dict(summary)), sys.stdout)
+
+
+def tell_mask(summary: MaskSummary, reporting: Reporting) -> None:
+    """Say what was selected, as `tell` does it for an edit.
+
+    Parameters
+    ----------
+    summary
+        What was selected.
+    reporting
+        How much to say.
+    """
+    if not reporting.quiet:
+        for notice in summary.notices:
+            _print(f"poisson: note: {notice}", sys.stderr)
+        _print(mask_line(summary), sys.stderr)
+    if reporting.json:
+        _print(json.dumps(mask_as_dict(summary)), sys.stdout)
 
 
 def _print(text: str, stream: TextIO) -> None:
@@ -209,7 +230,45 @@ def as_dict(summary: Summary) -> dict[str, Any]:
         "advice": edit.advice,
         "hints": hints(summary),
         "profile_dropped": summary.profile_dropped,
+        "notices": list(summary.notices),
         "seconds": {**summary.seconds, "total": sum(summary.seconds.values())},
+    }
+
+
+def mask_line(summary: MaskSummary) -> str:
+    """One line for a person.
+
+    Parameters
+    ----------
+    summary
+        What was selected.
+
+    Returns
+    -------
+    str
+        Such as ``mask: 12,345 of 307,200 pixels at 40,60 (200x180) -> mask.png``.
+    """
+    row, col, height, width = summary.rectangle
+    pixels = f"{summary.selected:,} of {_counted(summary.pixels, 'pixel')}"
+    return f"mask: {pixels} at {col},{row} ({width}x{height}) -> {summary.output}"
+
+
+def mask_as_dict(summary: MaskSummary) -> dict[str, Any]:
+    """What ``--json`` prints; the names are those of `as_dict`.
+
+    Parameters
+    ----------
+    summary
+        What was selected.
+    """
+    row, col, height, width = summary.rectangle
+    return {
+        "tool": "mask",
+        "output": str(summary.output),
+        "region": summary.selected,
+        "pixels": summary.pixels,
+        "rectangle": {"x": col, "y": row, "width": width, "height": height},
+        "notices": list(summary.notices),
     }
 
 

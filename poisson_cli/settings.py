@@ -13,9 +13,16 @@ from typing import Literal, NamedTuple
 from poisson_cli import defaults
 
 __all__ = [
+    "Area",
+    "Combine",
     "Edges",
+    "Ellipse",
+    "Grow",
+    "How",
+    "MaskFile",
     "Output",
     "Placement",
+    "Polygon",
     "Rectangle",
     "Relight",
     "Reporting",
@@ -32,6 +39,74 @@ class Rectangle(NamedTuple):
     col: int
     height: int
     width: int
+
+
+@dataclass(frozen=True, slots=True)
+class Ellipse:
+    """The ellipse that touches the four sides of a rectangle."""
+
+    box: Rectangle
+
+
+@dataclass(frozen=True, slots=True)
+class Polygon:
+    """What a closed line encloses.
+
+    Parameters
+    ----------
+    points
+        (row, column) of each corner, at least three; the last is joined to the first. In pixels, where whole numbers
+        are corners of pixels: (0, 0) is the picture's top-left corner, and the first pixel's centre is (.5, .5).
+    rule
+        What is inside where the line crosses itself. ``"even-odd"``: what the line must be crossed an odd number of
+        times to leave, so that an overlap is a hole. ``"nonzero"``: all that the line winds round.
+    """
+
+    points: tuple[tuple[float, float], ...]
+    rule: Literal["even-odd", "nonzero"] = "even-odd"
+
+
+@dataclass(frozen=True, slots=True)
+class MaskFile:
+    """A file that says which pixels.
+
+    Parameters
+    ----------
+    name
+        A path, and after a colon the part of the file that is meant, if not all of it. No `Path`, because what
+        follows the colon is none: a label may have slashes. See `poisson_cli.masks.source`.
+    """
+
+    name: str
+
+
+Area = MaskFile | Rectangle | Ellipse | Polygon
+"""Whatever selects pixels by itself."""
+
+How = Literal["add", "subtract", "intersect"]
+"""What an area does to what is selected so far: join it, be taken away from it, or keep only what lies in both."""
+
+
+@dataclass(frozen=True, slots=True)
+class Combine:
+    """A step of a selection: what an area does to what is selected so far."""
+
+    area: Area
+    how: How = "add"
+
+
+@dataclass(frozen=True, slots=True)
+class Grow:
+    """A step of a selection: move the border of what is selected so far.
+
+    Parameters
+    ----------
+    pixels
+        How far, outwards; negative shrinks. Euclidean: to grow by N selects every pixel whose centre is at most N
+        pixels from that of a selected one, to shrink by N does the same to what is not selected.
+    """
+
+    pixels: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,22 +127,30 @@ class Placement:
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """Which pixels to edit: the union of all masks and rectangles, inverted last if asked.
+    """Which pixels to edit: steps, done in order beginning with nothing selected, and inverted last if asked.
 
     Parameters
     ----------
-    masks
-        Mask pictures; see `poisson_cli.masks.picture_selects` for which of their pixels count.
-    rectangles
-        Rectangles on the same grid; the part outside the picture is ignored.
+    steps
+        What is added, subtracted, intersected, grown and shrunk. The parts of areas outside the picture are ignored.
     invert
-        Select what the union leaves out.
+        Select what the steps leave out.
     threshold
         8-bit value from which a pixel of a mask picture is selected.
+
+    Notes
+    -----
+    `poisson_cli.masks.plan` says what a selection looks like in JSON.
+
+    Examples
+    --------
+    A ring, and what a file selects:
+
+    >>> disk, hole = Ellipse(Rectangle(0, 0, 50, 50)), Ellipse(Rectangle(10, 10, 30, 30))
+    >>> ring = Selection((Combine(disk), Combine(hole, "subtract"), Combine(MaskFile("more.png:alpha"))))
     """
 
-    masks: tuple[Path, ...] = ()
-    rectangles: tuple[Rectangle, ...] = ()
+    steps: tuple[Combine | Grow, ...] = ()
     invert: bool = False
     threshold: int = defaults.THRESHOLD
 

@@ -395,6 +395,7 @@ def test_json_is_one_object_with_everything(folder, poisson):
         "offset": None,
         "edge_share": None,
         "profile_dropped": False,
+        "notices": [],
     }
     assert told["unknowns"] < told["region"]
     assert list(seconds) == ["read", "select", "guidance", "solve", "paste", "write", "total"]

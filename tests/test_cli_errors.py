@@ -40,7 +40,7 @@ USAGE = {
     "no output": (["fill", "grey.png", "-m", "dest-mask.png"], "Missing option '-o' / '--output'"),
     "no selection": (
         "fill grey.png -o out.png".split(),
-        "No selection given: name a mask with -m, or a rectangle with --rect X,Y,W,H.",
+        "No selection given: name a mask with -m, or draw one with --rect, --ellipse, --polygon or --lasso.",
     ),
     "only inverted": (
         "clone source.png grey.png -o out.png --invert-mask".split(),
@@ -57,6 +57,30 @@ USAGE = {
         "'1,2,3' is not X,Y,W,H: whole numbers of pixels, for example 10,20,300,200",
     ),
     "no width": ([*FILL, "--rect", "1,2,0,5"], "'1,2,0,5' has no area: W and H must be at least 1"),
+    "ellipse without width": ([*FILL, "--ellipse", "1,2,0,5"], "'--ellipse': '1,2,0,5' has no area"),
+    "polygon of two": ([*FILL, "--polygon", "1,2 3,4"], "'--polygon': a polygon needs at least 3 points X,Y"),
+    "lasso with a word": ([*FILL, "--lasso", "1,2 3,4 a,b"], "'--lasso': 'a,b' is not a point X,Y"),
+    "subtracted from nothing": (
+        "fill grey.png --subtract --rect 1,2,3,4 -o out.png".split(),
+        "--subtract works on what was selected before it, and nothing was.",
+    ),
+    "intersected with nothing": (
+        "fill grey.png --intersect -m dest-mask.png -o out.png".split(),
+        "--intersect works on what was selected before it, and nothing was.",
+    ),
+    "nothing grown": (
+        "fill grey.png --grow 3 -m dest-mask.png -o out.png".split(),
+        "--grow works on what was selected before it, and nothing was.",
+    ),
+    "switch at the end": (
+        [*FILL, "--subtract"],
+        "--subtract has no effect: put it before the masks and shapes",
+    ),
+    "switch after switch": (
+        [*FILL, "--intersect", "--grow", "1", "--add", "--rect", "1,2,3,4"],
+        "--intersect has no effect: put it before the masks and shapes",
+    ),
+    "shrunk by nothing": ([*FILL, "--shrink", "0"], "'0' is not a whole number from 1"),
     "negative height": ([*FILL, "--rect", "1,2,5,-5"], "'1,2,5,-5' has no area"),
     "tolerance nan": ([*FILL, "--tolerance", "nan"], "'--tolerance': 'nan' is not a number greater than 0"),
     "tolerance inf": ([*FILL, "--tolerance", "inf"], "'inf' is not a number greater than 0"),
@@ -142,7 +166,34 @@ INPUT = {
     ),
     "transparent source": (
         replaced(CLONE, "source.png", "alpha-source.png"),
-        "alpha-source.png: the source is transparent in places; flatten it onto a background first",
+        "the selection is empty: the source alpha-source.png is transparent, or next to it, wherever it is selected",
+    ),
+    "text as mask": (
+        replaced(CLONE, "mask.png", "note.txt"),
+        "note.txt: not a mask; pictures (PNG, JPEG, TIFF, BMP and WebP), labelme and COCO JSON, and text files of "
+        "x,y lines are read",
+    ),
+    "no alpha as mask": (
+        replaced(CLONE, "mask.png", "mask.png:alpha"),
+        "mask.png: the picture is grey and has no alpha channel",
+    ),
+    "unknown part": (
+        replaced(CLONE, "mask.png", "mask.png:green"),
+        "mask.png: the picture is grey; it has no colours to choose from",
+    ),
+    "unknown part of colour": (
+        replaced(CLONE, "mask.png", "source.png:grün"),
+        "source.png: a picture has no part called 'grün'; choose one of alpha, red, green, blue, index=0 to index=255",
+    ),
+    "part of a missing file": (replaced(CLONE, "mask.png", "no.png:alpha"), "no.png:alpha: no such file"),
+    "polygon of letters": (
+        replaced(CLONE, "mask.png", "bad.txt"),
+        "bad.txt: '5,x' in line 3 is not a point X,Y",
+    ),
+    "broken json": (replaced(CLONE, "mask.png", "bad.json"), "bad.json: damaged JSON ("),
+    "other json": (
+        replaced(CLONE, "mask.png", "other.json"),
+        'other.json: JSON that is neither labelme\'s nor COCO\'s: it has no "shapes" and no "annotations"',
     ),
     "colour into grey": (
         replaced(CLONE, "destination.png", "grey.png"),
@@ -310,7 +361,7 @@ def crowded(folder: Path) -> Path:
     (folder / "link.png").symlink_to("grey.png")
     (folder / "circle.png").symlink_to("circle.png")
     os.mkfifo(folder / "pipe.png")
-    alpha = np.full(SOURCE.shape[:2], 254, np.uint8)
+    alpha = np.full(SOURCE.shape[:2], 127, np.uint8)
     files = {
         "note.txt": b"Dear diary,\n",
         "empty.png": b"",
@@ -321,6 +372,9 @@ def crowded(folder: Path) -> Path:
         "grey-alpha.png": encoded(ALPHA[:, :, 2:]),
         "odd-mask.png": encoded(np.full((5, 7), 255, np.uint8)),
         "black.png": encoded(np.zeros((40, 48), np.uint8)),
+        "bad.txt": b"1,2\n3,4\n5,x\n",
+        "bad.json": b'{"shapes": [',
+        "other.json": b'{"features": []}',
         "ones.png": encoded(np.ones((40, 48), np.uint8)),
         "wide.png": encoded(np.zeros((1, 17000), np.uint8)),
     }

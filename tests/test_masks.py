@@ -10,7 +10,7 @@ from PIL import Image
 from poisson_cli.errors import InputError
 from poisson_cli.images import Picture, reading
 from poisson_cli.masks import Canvas, draw_rectangle, select, strength
-from poisson_cli.settings import Rectangle, Selection
+from poisson_cli.settings import Combine, Grow, MaskFile, Rectangle, Selection
 from tests.small_pictures import DESTINATION, GREY, MASK, SOURCE, encoded
 
 WHITE = MASK.astype(np.uint8) * 255
@@ -117,9 +117,7 @@ def test_a_mask_is_turned_upright_as_its_picture_is():
 def test_rectangles(rectangle, rows, cols):
     expected = np.zeros((24, 30), bool)
     expected[rows, cols] = True
-    mask = np.zeros((24, 30), bool)
-    draw_rectangle(mask, rectangle)
-    np.testing.assert_array_equal(mask, expected)
+    np.testing.assert_array_equal(draw_rectangle(rectangle, (24, 30)), expected)
 
 
 @pytest.fixture
@@ -127,33 +125,79 @@ def canvas(folder) -> Canvas:
     return Canvas("source", Picture("s.png", SOURCE), ("destination", Picture("d.png", DESTINATION)))
 
 
-def paths(*names: str) -> tuple[Path, ...]:
-    return tuple(map(Path, names))
+def added(*areas: str | Rectangle, invert: bool = False) -> Selection:
+    steps = (Combine(MaskFile(area) if isinstance(area, str) else area) for area in areas)
+    return Selection(tuple(steps), invert=invert)
+
+
+def mask_of(selection: Selection, canvas: Canvas) -> np.ndarray:
+    return select(selection, canvas).mask
+
+
+OUTSIDE = Rectangle(-5, -5, 1, 1)
 
 
 def test_union_then_inversion(canvas):
-    np.testing.assert_array_equal(select(Selection(paths("mask.png")), canvas), MASK)
+    np.testing.assert_array_equal(mask_of(added("mask.png"), canvas), MASK)
     corner = Rectangle(0, 0, 3, 2)
     union = MASK.copy()
     union[:3, :2] = True
-    both = Selection(paths("mask.png", "mask.png"), (corner, Rectangle(-5, -5, 1, 1)))
-    np.testing.assert_array_equal(select(both, canvas), union)
-    inverted = Selection(paths("mask.png"), (corner,), invert=True)
-    np.testing.assert_array_equal(select(inverted, canvas), ~union)
+    both = ("mask.png", "mask.png", corner, OUTSIDE)
+    np.testing.assert_array_equal(mask_of(added(*both), canvas), union)
+    np.testing.assert_array_equal(mask_of(added(*both, invert=True), canvas), ~union)
 
 
 def test_an_empty_union_inverted_selects_everything(canvas):
-    assert select(Selection((), (Rectangle(-5, -5, 1, 1),), invert=True), canvas).all()
+    assert mask_of(added(OUTSIDE, invert=True), canvas).all()
+
+
+def test_steps_are_done_in_their_order(canvas):
+    inner = MaskFile("mask.png")
+    block, corner = Rectangle(2, 2, 20, 20), Rectangle(0, 0, 6, 6)
+    drawn = {area: draw_rectangle(area, MASK.shape) for area in (block, corner)}
+    steps = (Combine(block), Combine(inner, "subtract"), Combine(corner))
+    np.testing.assert_array_equal(mask_of(Selection(steps), canvas), drawn[block] & ~MASK | drawn[corner])
+    steps = (Combine(block), Combine(corner), Combine(inner, "subtract"))
+    np.testing.assert_array_equal(mask_of(Selection(steps), canvas), (drawn[block] | drawn[corner]) & ~MASK)
+    steps = (Combine(block), Combine(inner, "intersect"), Combine(corner, "subtract"))
+    np.testing.assert_array_equal(mask_of(Selection(steps), canvas), drawn[block] & MASK & ~drawn[corner])
+
+
+def test_growing_is_a_step_like_the_others(canvas):
+    block, hole = Rectangle(8, 5, 5, 9), Rectangle(10, 8, 1, 1)
+    drawn = draw_rectangle(block, MASK.shape)
+    grown = drawn | draw_rectangle(Rectangle(7, 5, 7, 9), MASK.shape)
+    grown |= draw_rectangle(Rectangle(8, 4, 5, 11), MASK.shape)
+    late = Selection((Combine(block), Grow(1), Combine(hole, "subtract")))
+    np.testing.assert_array_equal(mask_of(late, canvas), grown & ~draw_rectangle(hole, MASK.shape))
+    early = Selection((Combine(block), Combine(hole, "subtract"), Grow(1)))
+    np.testing.assert_array_equal(mask_of(early, canvas), grown)
+    closed = Selection((Combine(block), Combine(hole, "subtract"), Grow(1), Grow(-1)))
+    np.testing.assert_array_equal(mask_of(closed, canvas), drawn)
 
 
 @pytest.mark.parametrize(
     ("selection", "text"),
     [
-        (Selection((), (Rectangle(-5, -5, 1, 1),)), "no --rect meets the source, which is 30x24"),
+        (added(OUTSIDE), "no --rect meets the source, which is 30x24"),
         (
-            Selection((), (Rectangle(0, 0, 24, 30),), invert=True),
+            added(OUTSIDE, Rectangle(30, 0, 1, 1), invert=False),
+            "no --rect meets the source, which is 30x24",
+        ),
+        (
+            added(Rectangle(0, 0, 24, 30), invert=True),
             "everything was selected, so --invert-mask leaves nothing",
         ),
+        (
+            Selection((Combine(MaskFile("mask.png")), Combine(MaskFile("mask.png"), "subtract"))),
+            "--subtract leaves nothing",
+        ),
+        (
+            Selection((Combine(MaskFile("mask.png")), Combine(OUTSIDE, "intersect"))),
+            "--intersect leaves nothing",
+        ),
+        (Selection((Combine(MaskFile("mask.png")), Grow(-40))), "--shrink 40 leaves nothing"),
+        (Selection(), "nothing was added to it"),
     ],
 )
 def test_an_empty_selection_is_refused_with_the_reason(canvas, selection, text):
@@ -165,9 +209,29 @@ def test_a_mask_of_another_size_is_refused_with_the_way_out(canvas):
     with pytest.raises(
         InputError, match="dest-mask.png is 48x40, but the source s.png is 30x24; it has the size of"
     ):
-        select(Selection(paths("dest-mask.png")), canvas)
+        select(added("dest-mask.png"), canvas)
     alone = Canvas("image", Picture("i.png", GREY))
     with pytest.raises(
         InputError, match="mask.png is 30x24, but the image i.png is 48x40; a mask must have the size"
     ):
-        select(Selection(paths("mask.png")), alone)
+        select(added("mask.png"), alone)
+
+
+def test_a_lossy_mask_with_grey_edges_is_cut_with_a_notice(canvas, folder):
+    ramp = np.repeat(np.arange(100, 220, 4, dtype=np.uint8)[None], 24, axis=0)
+    Path("soft.png").write_bytes(encoded(ramp))
+    selected = select(added("soft.png"), canvas)
+    np.testing.assert_array_equal(selected.mask, ramp >= 128)
+    # 112, 116, 120, 124 below and 128, 132, 136, 140 above, in each of 24 rows.
+    assert selected.notices == (
+        "mask soft.png has grey edges: it is cut at 128, and 192 of its pixels are less than 16 levels from there "
+        "(--mask-threshold moves the cut)",
+    )
+
+
+@pytest.mark.parametrize("values", [[0, 255], [0, 120, 255], [0, 130, 200], [0, 111, 144, 255]])
+def test_clean_masks_have_no_notice(canvas, folder, values):
+    drawn = np.zeros(MASK.shape, np.uint8)
+    drawn[0, : len(values)] = values
+    Path("clean.png").write_bytes(encoded(drawn))
+    assert select(added("clean.png"), canvas).notices == ()

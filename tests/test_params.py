@@ -8,7 +8,19 @@ import pytest
 
 from poisson_cli import editing, params
 from poisson_cli.editing.solving import solve
-from poisson_cli.settings import Edges, Placement, Rectangle, Relight, Selection, Solver, Then
+from poisson_cli.settings import (
+    Combine,
+    Edges,
+    Ellipse,
+    MaskFile,
+    Placement,
+    Polygon,
+    Rectangle,
+    Relight,
+    Selection,
+    Solver,
+    Then,
+)
 
 
 @pytest.mark.parametrize(
@@ -56,6 +68,47 @@ def test_rectangles():
     expected = Rectangle(row=-2, col=1, height=4, width=3)
     assert params.RECTANGLE.convert("1,-2,3,4", None, None) == expected
     assert params.RECTANGLE.convert(expected, None, None) is expected
+
+
+def test_ellipses():
+    expected = Ellipse(Rectangle(row=-2, col=1, height=4, width=3))
+    assert params.ELLIPSE.convert("1,-2,3,4", None, None) == expected
+    assert params.ELLIPSE.convert(expected, None, None) is expected
+
+
+@pytest.mark.parametrize(("kind", "rule"), [(params.POLYGON, "even-odd"), (params.LASSO, "nonzero")])
+def test_polygons(kind, rule):
+    expected = Polygon(((2.0, 1.0), (-4.5, 3.0), (0.5, 1e3)), rule)
+    for text in ("1,2 3,-4.5 1e3,.5", " 1 , 2\t3,-4.5\n1e3 ,.5 "):
+        assert kind.convert(text, None, None) == expected
+    assert kind.convert(expected, None, None) is expected
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("", "a polygon needs at least 3 points X,Y, not 0"),
+        ("1,2 3,4", "at least 3 points X,Y, not 2"),
+        ("1,2 3,4 5", "'5' is not a point X,Y, for example 12,34.5"),
+        ("1,2,3 4,5 6,7", "'1,2,3' is not a point"),
+        ("1,2 3,4 nan,1", "'nan,1' is not a point"),
+        ("1,2 3,4 inf,1", "'inf,1' is not a point"),
+        ("1,2 3,4 1_0,1", "'1_0,1' is not a point"),
+        ("1,2 3,4 ١,1", "'١,1' is not a point"),
+        ("1,2 3,4 1e999,1", "the point 1e999,1 is farther away than 1,000,000,000 pixels"),
+        ("1,2 3,4 -1,1000000001", "the point -1,1000000001 is farther away"),
+    ],
+)
+def test_what_is_no_polygon(text, complaint):
+    with pytest.raises(click.BadParameter) as caught:
+        params.POLYGON.convert(text, None, None)
+    assert complaint in caught.value.message
+
+
+def test_masks_are_kept_as_they_are_typed():
+    assert params.MASK.convert("./a b.json:road//x/", None, None) == MaskFile("./a b.json:road//x/")
+    with pytest.raises(click.BadParameter, match="null character"):
+        params.MASK.convert("a\0b", None, None)
 
 
 @pytest.mark.parametrize("text", ["1,2,0,4", "1,2,3,0", "1,2,-3,4"])
@@ -185,8 +238,7 @@ def test_options_have_the_defaults_of_the_settings():
     )
     assert solver == Solver()
     assert Placement(given["at"], given["mask_on"]) == Placement()
-    assert Selection(given["masks"], given["rectangles"], given["invert"], given["threshold"]) == Selection(
-        (Path("m.png"),)
-    )
+    steps = tuple(map(Combine, given["mask"]))
+    assert Selection(steps, given["invert"], given["threshold"]) == Selection((Combine(MaskFile("m.png")),))
     assert given["gradients"] == default(editing.clone, "gradients")
     assert given["monochrome"] == default(editing.clone, "monochrome")

@@ -31,6 +31,8 @@ class Format:
         Whether it can hold an ICC profile.
     largest_side
         Greatest width and height that it can hold, in pixels.
+    exact
+        Whether what is read from a file is what was written.
     encoding
         Settings for the encoder.
     """
@@ -42,6 +44,7 @@ class Format:
     grey: bool
     profile: bool
     largest_side: int
+    exact: bool = True
     encoding: Mapping[str, Any] = field(default_factory=dict)
 
     def can_hold_profile(self, profile: bytes) -> bool:
@@ -68,6 +71,7 @@ JPEG: Final = Format(
     grey=True,
     profile=True,
     largest_side=65_500,
+    exact=False,
     # Subsampled colours would smear the result across the border of the region that was solved for.
     encoding=MappingProxyType({"quality": 95, "subsampling": "4:4:4", "optimize": True}),
 )

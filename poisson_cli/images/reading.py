@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, cast
 
 import imageio.v3 as iio
 import numpy as np
+from numpy.typing import NDArray
 
 from poisson_cli.errors import InputError
 from poisson_cli.images.formats import Format, listed, recognise
@@ -23,7 +24,7 @@ from poisson_cli.images.picture import Picture
 if TYPE_CHECKING:
     from imageio.plugins.pillow import PillowPlugin
 
-__all__ = ["decode", "read"]
+__all__ = ["decode", "decode_indices", "read", "read_bytes"]
 
 
 def read(path: Path) -> Picture:
@@ -39,7 +40,7 @@ def read(path: Path) -> Picture:
     InputError
         If it cannot be read, is not a picture, or holds one that would lose something (see `header`).
     """
-    return decode(_read_bytes(path), str(path))
+    return decode(read_bytes(path), str(path))
 
 
 def decode(data: bytes, name: str) -> Picture:
@@ -59,18 +60,50 @@ def decode(data: bytes, name: str) -> Picture:
     """
     form = _recognised(data, name)
     header = read_header(data, name, form)
-    with decoding(name, form), iio.imopen(data, "r", plugin="pillow") as opened:
-        file = cast("PillowPlugin", opened)
-        pixels = np.asarray(file.read(index=0, mode=header.mode), dtype=np.uint8)
-        # Asked for after decoding: by then the TIFF decoder has turned its picture and dropped the tag.
-        orientation = file.metadata(index=0, exclude_applied=False).get("Orientation", 1)
-        pixels = upright(pixels, orientation if isinstance(orientation, int) else 1)
+    pixels = _upright_pixels(data, name, form, header.mode)
     alpha = None
     if header.mode in ("LA", "RGBA"):
         pixels, alpha = np.ascontiguousarray(pixels[..., :-1]), np.ascontiguousarray(pixels[..., -1])
         if header.mode == "LA":
             pixels = pixels[..., 0]
     return Picture(name=name, pixels=pixels, alpha=alpha, profile=header.profile, palette=header.palette)
+
+
+def decode_indices(data: bytes, name: str) -> NDArray[np.uint8]:
+    """Decode what a picture stores for each pixel, where that is one number: the index of a colour, or a grey value.
+
+    Parameters
+    ----------
+    data
+        The whole file.
+    name
+        What to call it in messages.
+
+    Returns
+    -------
+    ndarray
+        (H, W) uint8, upright as the picture is.
+
+    Raises
+    ------
+    InputError
+        As `read`, and if the picture has neither a palette nor a single channel.
+    """
+    form = _recognised(data, name)
+    header = read_header(data, name, form)
+    if not header.palette and header.mode != "L":
+        raise InputError(f"{name}: a picture without a palette; its pixels have no index")
+    return _upright_pixels(data, name, form, "P" if header.palette else "L")
+
+
+def _upright_pixels(data: bytes, name: str, form: Format, mode: str) -> NDArray[np.uint8]:
+    """The pixels as a decoder's mode has them, as they should be looked at."""
+    with decoding(name, form), iio.imopen(data, "r", plugin="pillow") as opened:
+        file = cast("PillowPlugin", opened)
+        pixels = np.asarray(file.read(index=0, mode=mode), dtype=np.uint8)
+        # Asked for after decoding: by then the TIFF decoder has turned its picture and dropped the tag.
+        orientation = file.metadata(index=0, exclude_applied=False).get("Orientation", 1)
+        return upright(pixels, orientation if isinstance(orientation, int) else 1)
 
 
 def _recognised(data: bytes, name: str) -> Format:
@@ -83,7 +116,19 @@ def _recognised(data: bytes, name: str) -> Format:
     raise InputError(f"{name}: {what}; {listed()} are read")
 
 
-def _read_bytes(path: Path) -> bytes:
+def read_bytes(path: Path) -> bytes:
+    """Read a whole file, if it is one that ends.
+
+    Parameters
+    ----------
+    path
+        A regular file, or a pipe.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read.
+    """
     try:
         with open(path, "rb") as file:
             kind = os.fstat(file.fileno()).st_mode

@@ -8,100 +8,127 @@ import numpy as np
 from numpy.typing import NDArray
 
 from poisson_cli.errors import InputError
-from poisson_cli.images import Picture, read
-from poisson_cli.masks.raster import strength
-from poisson_cli.masks.shapes import draw_rectangle
-from poisson_cli.settings import Selection
+from poisson_cli.masks.canvas import Canvas
+from poisson_cli.masks.growth import grow, shrink
+from poisson_cli.masks.raster import NEAR
+from poisson_cli.masks.shapes import draw_ellipse, draw_polygon, draw_rectangle
+from poisson_cli.masks.source import Drawn, read_mask
+from poisson_cli.settings import Area, Combine, Ellipse, Grow, MaskFile, Polygon, Rectangle, Selection
 
-__all__ = ["Canvas", "select"]
+__all__ = ["Selected", "select"]
 
 
 @dataclass(frozen=True)
-class Canvas:
-    """The picture that a selection is drawn on.
+class Selected:
+    """A selection that was drawn.
 
     Parameters
     ----------
-    role
-        What it is to the user: ``source``, ``destination`` or ``image``.
-    picture
-        The picture.
-    other
-        The picture that a mask may have been drawn on instead, with its role; None if there is no other.
+    mask
+        (H, W) bool of the canvas, True = selected; never all False.
+    notices
+        What the user should know about how it was made, a line each.
     """
 
-    role: str
-    picture: Picture
-    other: tuple[str, Picture] | None = None
+    mask: NDArray[np.bool_]
+    notices: tuple[str, ...] = ()
 
 
-def select(selection: Selection, canvas: Canvas) -> NDArray[np.bool_]:
+def select(selection: Selection, canvas: Canvas) -> Selected:
     """Draw a selection.
 
     Parameters
     ----------
     selection
-        Masks and rectangles: their union, inverted if asked.
+        What to do, step by step.
     canvas
-        What it is drawn on; every mask must have its size.
-
-    Returns
-    -------
-    ndarray
-        (H, W) bool of the canvas, True = selected; never all False.
+        What it is drawn on; a mask that has a size must have this one's.
 
     Raises
     ------
     InputError
         If a mask cannot be read or has another size, or nothing is selected.
     """
-    strongest = 0
-    mask = np.zeros(canvas.picture.shape, np.bool_)
-    for path in selection.masks:
-        picture = read(path)
-        _refuse_other_size(picture, canvas)
-        values = strength(picture)
-        strongest = max(strongest, int(values.max()))
-        mask |= values >= selection.threshold
-    for rectangle in selection.rectangles:
-        draw_rectangle(mask, rectangle)
+    mask = np.zeros(canvas.shape, np.bool_)
+    notices = []
+    reasons = []  # why nothing is selected, should it come to that
+    for step in selection.steps:
+        before = mask.any()
+        if isinstance(step, Grow):
+            mask = grow(mask, step.pixels) if step.pixels >= 0 else shrink(mask, -step.pixels)
+            if before and not mask.any():
+                reasons = [f"--shrink {-step.pixels} leaves nothing"]
+            continue
+        drawn = _draw(step.area, canvas, selection.threshold)
+        if drawn.near:
+            assert isinstance(step.area, MaskFile)
+            notices.append(_of_grey_edges(step.area, drawn.near, selection.threshold))
+        mask = _combined(mask, step, drawn)
+        if not mask.any():
+            if before:
+                reasons = [f"--{step.how} leaves nothing"]
+            elif (
+                step.how == "add"
+                and (reason := _of_empty_area(step.area, drawn, selection, canvas)) not in reasons
+            ):
+                reasons.append(reason)
     if selection.invert:
-        np.logical_not(mask, out=mask)
+        mask = ~mask
+        reasons = ["everything was selected, so --invert-mask leaves nothing"]
     if not mask.any():
-        raise InputError(f"the selection is empty: {_why_empty(selection, canvas, strongest)}")
-    return mask
+        raise InputError(f"the selection is empty: {'; '.join(reasons) or 'nothing was added to it'}")
+    return Selected(mask, tuple(notices))
 
 
-def _refuse_other_size(mask: Picture, canvas: Canvas) -> None:
-    """Name both sizes and the way out."""
-    if mask.shape == canvas.picture.shape:
-        return
-    problem = f"mask {mask.name} is {mask.size}, but the {canvas.role} {canvas.picture.name} is {canvas.picture.size}"
-    if canvas.other is None:
-        raise InputError(f"{problem}; a mask must have the size of the {canvas.role}")
-    role, other = canvas.other
-    if mask.shape == other.shape:
-        raise InputError(
-            f"{problem}; it has the size of the {role}: if it was drawn there, add --mask-on {role}"
-        )
-    raise InputError(
-        f"{problem}; give it the size of the {canvas.role}, "
-        f"or that of the {role} ({other.size}) and add --mask-on {role}"
+def _combined(mask: NDArray[np.bool_], step: Combine, drawn: Drawn) -> NDArray[np.bool_]:
+    match step.how:
+        case "add":
+            return mask | drawn.mask
+        case "subtract":
+            return mask & ~drawn.mask
+        case "intersect":
+            return mask & drawn.mask
+
+
+def _draw(area: Area, canvas: Canvas, threshold: int) -> Drawn:
+    match area:
+        case MaskFile():
+            return read_mask(area, canvas, threshold)
+        case Rectangle():
+            return Drawn(draw_rectangle(area, canvas.shape))
+        case Ellipse():
+            return Drawn(draw_ellipse(area, canvas.shape))
+        case Polygon():
+            return Drawn(draw_polygon(area, canvas.shape))
+
+
+def _of_grey_edges(file: MaskFile, near: int, threshold: int) -> str:
+    return (
+        f"mask {file.name} has grey edges: it is cut at {threshold}, and {near:,} of its pixels are less than {NEAR} "
+        "levels from there (--mask-threshold moves the cut)"
     )
 
 
-def _why_empty(selection: Selection, canvas: Canvas, strongest: int) -> str:
-    """Say why nothing is selected, and what would help."""
-    if selection.invert:
-        return "everything was selected, so --invert-mask leaves nothing"
-    reasons = []
-    if 0 < strongest < selection.threshold:
-        reasons.append(
-            f"the brightest pixel of a mask is {strongest}, below the threshold of {selection.threshold} "
-            f"(lower it: --mask-threshold {strongest})"
+def _of_empty_area(area: Area, drawn: Drawn, selection: Selection, canvas: Canvas) -> str:
+    """Why an area selects nothing, and what would help."""
+    match area:
+        case MaskFile():
+            return _of_empty_file(area, drawn, selection.threshold, canvas)
+        case Rectangle():
+            option = "--rect"
+        case Ellipse():
+            option = "--ellipse"
+        case Polygon():
+            option = "--polygon" if area.rule == "even-odd" else "--lasso"
+    return f"no {option} meets the {canvas.role}, which is {canvas.picture.size}"
+
+
+def _of_empty_file(file: MaskFile, drawn: Drawn, threshold: int, canvas: Canvas) -> str:
+    if drawn.strongest is None:
+        return f"{file.name} selects no pixel of the {canvas.role}, which is {canvas.picture.size}"
+    if 0 < drawn.strongest < threshold:
+        return (
+            f"the brightest pixel of a mask is {drawn.strongest}, below the threshold of {threshold} "
+            f"(lower it: --mask-threshold {drawn.strongest})"
         )
-    elif selection.masks:
-        reasons.append("no pixel of a mask is set (white selects; --invert-mask turns it round)")
-    if selection.rectangles:
-        reasons.append(f"no --rect meets the {canvas.role}, which is {canvas.picture.size}")
-    return "; ".join(reasons)
+    return "no pixel of a mask is set (white selects; --invert-mask turns it round)"

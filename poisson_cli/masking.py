@@ -1,0 +1,86 @@
+"""One selection from files to a file: read, select, write. What `poisson_cli.job` is to an edit, without the edit."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from poisson_cli.errors import OutputError
+from poisson_cli.images import Picture, prepare, read, write
+from poisson_cli.masks import Canvas, select, show
+from poisson_cli.settings import Output, Selection
+
+__all__ = ["MaskSummary", "run"]
+
+
+@dataclass(frozen=True)
+class MaskSummary:
+    """What was selected.
+
+    Parameters
+    ----------
+    selected
+        Pixels in the selection.
+    pixels
+        Pixels of the picture.
+    rectangle
+        (row, column, height, width) of the selection's bounding box.
+    output
+        The file that was written.
+    notices
+        What the user should know about the inputs, a line each.
+    """
+
+    selected: int
+    pixels: int
+    rectangle: tuple[int, int, int, int]
+    output: Path
+    notices: tuple[str, ...] = ()
+
+
+def run(image: Path, selection: Selection, output: Output, *, over: bool = False) -> MaskSummary:
+    """Write a selection.
+
+    Parameters
+    ----------
+    image
+        The picture that it is drawn on.
+    selection
+        Which pixels.
+    output
+        Where to write it.
+    over
+        Show it on the picture, instead of writing a mask of 0 and 255.
+
+    Raises
+    ------
+    InputError, OutputError
+        Nothing was written.
+    """
+    target = prepare(output.path, overwrite=output.overwrite)
+    if not over and not target.form.exact:
+        raise OutputError(
+            f"{output.path}: {target.form.name} would blur the mask; choose another format, such as PNG"
+        )
+    picture = read(image)
+    target.check_fits(dataclasses.replace(picture, alpha=None))
+    selected = select(selection, Canvas("image", picture))
+    mask = selected.mask
+    if over:
+        # Grey becomes RGB, which a profile for one channel says nothing about.
+        profile = picture.profile if picture.pixels.ndim == 3 else None
+        shown = Picture(picture.name, show(picture.pixels, mask), profile=profile)
+    else:
+        shown = Picture(picture.name, np.where(mask, np.uint8(255), np.uint8(0)))
+    write(target, shown)
+    rows, cols = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    return MaskSummary(
+        selected=int(np.count_nonzero(mask)),
+        pixels=mask.size,
+        rectangle=(int(rows[0]), int(cols[0]), int(np.ptp(rows)) + 1, int(np.ptp(cols)) + 1),
+        output=output.path,
+        notices=selected.notices,
+    )
