@@ -272,8 +272,8 @@ def tonemap(
     """Fattal et al. 2002: the log luminance with its gradients attenuated on every scale, the natural condition around.
 
     Luminance and colours have `floor` times the percentile `white` of the luminance added to them.  The new luminance
-    is stretched: its percentile `white` becomes white, its percentile `black` is as far from that as it was; what leaves
-    the range is cut off, and the rest raised to 1 / gamma.  A colour is the new luminance times (old / old
+    is stretched: its percentile `white` becomes white, its percentile `black` is as far from that as it was; what is
+    beyond is cut off, and the rest raised to 1 / gamma.  A colour is the new luminance times (old / old
     luminance)^saturation, in Lab its chroma times saturation and the ratio of lightness, all of them with `floor` times
     white added.
     """

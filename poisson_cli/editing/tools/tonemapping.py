@@ -188,4 +188,6 @@ def _colored(
         return colored
     ratio = (working + haze) / old
     weights: Values = np.copysign(np.abs(ratio) ** kind(saturation), ratio)
-    return (new + kind(new_haze)) * weights - kind(new_haze)
+    weights *= new + kind(new_haze)
+    weights -= kind(new_haze)
+    return weights
