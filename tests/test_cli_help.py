@@ -1,7 +1,9 @@
 """What `--help` shows works: its examples are run, its defaults are those of the functions."""
 
 import inspect
+import json
 import re
+import shlex
 from pathlib import Path
 
 import click
@@ -10,12 +12,16 @@ import pytest
 
 from poisson_cli import editing
 from poisson_cli.main import cli
+from poisson_cli.settings import MaskFile
 from tests.small_pictures import blob, encoded, load, smooth
 
 CONTEXT = click.Context(cli, info_name="poisson")
 COMMANDS = {name: cli.get_command(CONTEXT, name) for name in cli.list_commands(CONTEXT)}
 TOOLS = {name: command for name, command in COMMANDS.items() if hasattr(editing, name)}
-OTHERS = {"demo", "warmup"}  # no pictures go in
+EDITORS = {**TOOLS, "mask": COMMANDS["mask"]}
+"""Those that work on pictures."""
+
+OTHERS = {"demo", "warmup"}
 
 IMAGE, SOURCE = (480, 640), (300, 400)
 """(H, W) of the pictures that the examples name: they say where things lie in them."""
@@ -23,36 +29,44 @@ IMAGE, SOURCE = (480, 640), (300, 400)
 
 def examples(command: click.Command) -> list[list[str]]:
     """The words after ``poisson`` of every command line in a help text."""
-    lines = inspect.cleandoc(command.help or "").partition("\b")[2].splitlines()
-    return [line.split()[1:] for line in lines if line.startswith("  poisson ")]
+    text = inspect.cleandoc(command.help or "").partition("\b")[2].replace("\\\n", " ")
+    return [shlex.split(line)[1:] for line in text.splitlines() if line.startswith("  poisson ")]
 
 
 EXAMPLES = [
     pytest.param(words, id=" ".join(words))
-    for command in (cli, *TOOLS.values())
+    for command in (cli, *EDITORS.values())
     for words in examples(command)
 ]
 
 
 def test_every_tool_has_an_example_and_its_function():
-    assert set(COMMANDS) == {*TOOLS, *OTHERS}
-    assert all(any(words[0] == name for words in examples(command)) for name, command in TOOLS.items())
+    assert set(COMMANDS) == {*EDITORS, *OTHERS}
+    assert all(any(words[0] == name for words in examples(command)) for name, command in EDITORS.items())
 
 
 def named(words: list[str], *parameters: str) -> list[Path]:
     """The files that some parameters name."""
-    with TOOLS[words[0]].make_context(words[0], words[1:]) as context:
+    with EDITORS[words[0]].make_context(words[0], words[1:]) as context:
         given = [context.params.get(parameter) for parameter in parameters]
     return [
-        path
+        Path(one.name.partition(":")[0]) if isinstance(one, MaskFile) else one
         for value in given
         if value is not None
-        for path in (value if isinstance(value, tuple) else (value,))
+        for one in (value if isinstance(value, tuple) else (value,))
     ]
 
 
 def save(path: Path, pixels: np.ndarray) -> None:
-    path.write_bytes(encoded(pixels, "JPEG" if path.suffix == ".jpg" else "PNG"))
+    """A picture, or where it is not dark as an annotation with a label after the file."""
+    if path.suffix == ".json":
+        row, col = np.nonzero(pixels)
+        corners = [[int(col.min()), int(row.min())], [int(col.max()), int(row.max())]]
+        shape = {"label": path.stem, "shape_type": "rectangle", "points": corners}
+        height, width = pixels.shape
+        path.write_text(json.dumps({"shapes": [shape], "imageHeight": height, "imageWidth": width}))
+    else:
+        path.write_bytes(encoded(pixels, "JPEG" if path.suffix == ".jpg" else "PNG"))
 
 
 @pytest.mark.parametrize("words", EXAMPLES)
@@ -63,7 +77,7 @@ def test_examples_run(tmp_path, monkeypatch, poisson, words):
     sources = named(words, "source")
     for path in sources:
         save(path, smooth(*SOURCE, 3))
-    for path in named(words, "masks", "file"):
+    for path in named(words, "mask", "file"):
         mask = np.zeros(SOURCE if sources else IMAGE, np.uint8)
         mask[180:220, 130:190] = blob(40, 60) * np.uint8(255)
         save(path, mask)
@@ -90,7 +104,7 @@ def test_options_have_the_defaults_of_the_keywords(name):
     required = ["--amount", "1"] if name == "focus" else []
     with TOOLS[name].make_context(name, [*arguments, "-o", "out.png", *required]) as context:
         given = {option: value for option, value in context.params.items() if option not in arguments}
-    shared = given.keys() & keywords.keys() - {"amount"}
+    shared = given.keys() & keywords.keys() - {"amount", "mask"}
     assert len(shared) >= (name != "fill") + 1
     for option in shared:
         assert given[option] == keywords[option].default, option
