@@ -34,6 +34,7 @@ __all__ = [
     "NotConverged",
     "OutputError",
     "PoissonError",
+    "verdict",
 ]
 
 DONE: Final = 0
@@ -66,3 +67,22 @@ class NotConverged(PoissonError):
     """The solver stopped before the estimated error fell below the tolerance."""
 
     exit_code = 5
+
+
+def verdict(error: Exception) -> tuple[int, str]:
+    """What becomes of an exception that ends a command, or a job of a batch.
+
+    Returns
+    -------
+    code : int
+        The exit code.
+    message : str
+        What is said of it, in one line whatever line breaks the exception has.
+    """
+    if isinstance(error, PoissonError):
+        code, message = error.exit_code, str(error)
+    elif isinstance(error, MemoryError):
+        code, message = BUG, "not enough memory for pictures of this size"
+    else:
+        code, message = BUG, f"unexpected {type(error).__name__}: {error}; this is a bug"
+    return code, " ".join(message.split())

@@ -13,7 +13,29 @@ from poisson_cli.images import Picture, prepare, read, write
 from poisson_cli.masks import Canvas, select, show
 from poisson_cli.settings import Output, Selection
 
-__all__ = ["MaskSummary", "run"]
+__all__ = ["MaskJob", "MaskSummary", "run"]
+
+
+@dataclass(frozen=True)
+class MaskJob:
+    """What to select, and where to write it.
+
+    Parameters
+    ----------
+    image
+        The picture that it is drawn on.
+    selection
+        Which pixels.
+    output
+        Where to write it.
+    over
+        Show it on the picture, instead of writing a mask of 0 and 255.
+    """
+
+    image: Path
+    selection: Selection
+    output: Output
+    over: bool = False
 
 
 @dataclass(frozen=True)
@@ -41,25 +63,20 @@ class MaskSummary:
     notices: tuple[str, ...] = ()
 
 
-def run(image: Path, selection: Selection, output: Output, *, over: bool = False) -> MaskSummary:
+def run(job: MaskJob) -> MaskSummary:
     """Write a selection.
 
     Parameters
     ----------
-    image
-        The picture that it is drawn on.
-    selection
-        Which pixels.
-    output
-        Where to write it.
-    over
-        Show it on the picture, instead of writing a mask of 0 and 255.
+    job
+        What to do.
 
     Raises
     ------
     InputError, OutputError
         Nothing was written.
     """
+    image, output, over = job.image, job.output, job.over
     target = prepare(output.path, overwrite=output.overwrite)
     if not over and not target.form.exact:
         raise OutputError(
@@ -67,7 +84,7 @@ def run(image: Path, selection: Selection, output: Output, *, over: bool = False
         )
     picture = read(image)
     target.check_fits(dataclasses.replace(picture, alpha=None))
-    selected = select(selection, Canvas("image", picture))
+    selected = select(job.selection, Canvas("image", picture))
     mask = selected.mask
     if over:
         # Grey becomes RGB, which a profile for one channel says nothing about.

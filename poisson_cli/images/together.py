@@ -79,7 +79,7 @@ def _undoing(target: Target) -> Iterator[Callable[[], None]]:
     callable
         Puts the old file back, or removes the new one if there was none.
     """
-    kept = target.real.with_name(f".poisson-{secrets.token_hex(8)}.old")
+    kept = target.real.with_name(f".poisson-{os.getpid()}-{secrets.token_hex(8)}.old")
 
     def undo() -> None:
         if kept.exists():

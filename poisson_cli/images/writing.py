@@ -95,7 +95,7 @@ def save(data: bytes, path: Path, *, overwrite: bool) -> None:
         If it cannot be written.
     """
     # The name is settled before the file exists, so that no signal can come between the file and its removal.
-    temporary = path.with_name(f".poisson-{secrets.token_hex(8)}.tmp")
+    temporary = path.with_name(f".poisson-{os.getpid()}-{secrets.token_hex(8)}.tmp")
     try:
         with open(temporary, "xb") as file:
             if overwrite and path.exists():
