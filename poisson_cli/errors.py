@@ -16,7 +16,8 @@ code  meaning
 143   asked to stop (SIGTERM)
 ====  ==========================================================================
 
-A batch adds one meaning to 1: some of its jobs failed; the results of the others are kept.
+A batch adds one meaning to 1: some of its jobs failed; the results of the others are kept. It has 2 for a list that
+makes no sense, too.
 """
 
 from __future__ import annotations
@@ -28,17 +29,21 @@ __all__ = [
     "BUG",
     "DONE",
     "INTERRUPTED",
+    "SOME_FAILED",
     "TERMINATED",
     "USAGE",
     "InputError",
     "NotConverged",
     "OutputError",
     "PoissonError",
+    "Terminated",
+    "code_of",
     "verdict",
 ]
 
 DONE: Final = 0
 BUG: Final = 1
+SOME_FAILED: Final = 1
 USAGE: Final = 2
 INTERRUPTED: Final = 130
 BROKEN_PIPE: Final = 141
@@ -67,6 +72,19 @@ class NotConverged(PoissonError):
     """The solver stopped before the estimated error fell below the tolerance."""
 
     exit_code = 5
+
+
+class Terminated(BaseException):
+    """SIGTERM arrived. Like `KeyboardInterrupt`, it passes every ``except Exception`` and runs every ``finally``."""
+
+
+def code_of(error: BaseException) -> int:
+    """The exit code of whatever ends a run, signals included."""
+    if isinstance(error, KeyboardInterrupt):
+        return INTERRUPTED
+    if isinstance(error, Terminated):
+        return TERMINATED
+    return verdict(error)[0] if isinstance(error, Exception) else BUG
 
 
 def verdict(error: Exception) -> tuple[int, str]:

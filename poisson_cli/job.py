@@ -24,7 +24,7 @@ from poisson_cli.images import Picture, Target, prepare, read, refuse_doubles, w
 from poisson_cli.masks import Canvas, leave_out_transparent, select
 from poisson_cli.settings import Edges, Output, Placement, Selection, Solver, Then
 
-__all__ = ["Job", "Progress", "Summary", "run", "run_together"]
+__all__ = ["Job", "Progress", "Summary", "outputs", "run", "run_together"]
 
 Progress = Callable[[int, float], None]
 """Called as the solver goes, with the cycles or sweeps so far and the estimated error in levels."""
@@ -105,6 +105,17 @@ class Summary:
     beside: Mapping[str, Path] = field(default_factory=dict)
     guarded: bool = False
     notices: tuple[str, ...] = ()
+
+
+def outputs(job: Job) -> dict[str, Path]:
+    """Every file that a job writes, by what it shows: ``"result"`` first, then ``"edges"`` and ``"preview"``."""
+    edges = _edges(job)
+    wanted = {
+        "result": job.output.path,
+        "edges": None if edges is None else edges.show,
+        "preview": job.preview,
+    }
+    return {what: path for what, path in wanted.items() if path is not None}
 
 
 def run(job: Job, progress: Progress | None = None) -> Summary:
@@ -190,17 +201,7 @@ class _Made(NamedTuple):
 
 def _targets(job: Job) -> dict[str, Target]:
     """Look at everything that will be written, before any work is done for it."""
-    edges = _edges(job)
-    wanted = {
-        "result": job.output.path,
-        "edges": None if edges is None else edges.show,
-        "preview": job.preview,
-    }
-    return {
-        what: prepare(path, overwrite=job.output.overwrite)
-        for what, path in wanted.items()
-        if path is not None
-    }
+    return {what: prepare(path, overwrite=job.output.overwrite) for what, path in outputs(job).items()}
 
 
 def _read(job: Job, targets: Mapping[str, Target], seconds: dict[str, float]) -> _Inputs:

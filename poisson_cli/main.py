@@ -22,11 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from types import FrameType
 
-__all__ = ["Terminated", "cli", "main", "run"]
-
-
-class Terminated(BaseException):
-    """SIGTERM arrived. Like `KeyboardInterrupt`, it passes every ``except Exception`` and runs every ``finally``."""
+__all__ = ["cli", "main", "run"]
 
 
 class _CommandFolder(click.Group):
@@ -67,7 +63,7 @@ def run(argv: Sequence[str]) -> int:
     """Run one command line in this process.
 
     Errors are printed as the real process prints them. An interrupt is not one of them: `KeyboardInterrupt` and
-    `Terminated` pass through, because they are meant for the whole process.
+    `poisson_cli.errors.Terminated` pass through, because they are meant for the whole process.
 
     Parameters
     ----------
@@ -122,7 +118,7 @@ def main() -> None:
     except KeyboardInterrupt:
         _print_error("interrupted")
         code = errors.INTERRUPTED
-    except Terminated:
+    except errors.Terminated:
         _print_error("terminated")
         code = errors.TERMINATED
     except BrokenPipeError:
@@ -144,7 +140,7 @@ def _leave_at_once(code: int) -> None:
 
 
 def _raise_terminated(_signal: int, _frame: FrameType | None) -> None:
-    raise Terminated
+    raise errors.Terminated
 
 
 def _print_error(message: str) -> None:
