@@ -1,4 +1,4 @@
-"""`python -m benchmarks [paper | tools | convergence | sizes | shapes | memory | startup]`: parse and hand over.
+"""`python -m benchmarks [paper | tools | convergence | sizes | shapes | memory | startup | batch]`: parse and hand over.
 
 Whatever is timed has one thread.
 
@@ -93,6 +93,13 @@ def parser() -> argparse.ArgumentParser:
     )
     startup.add_argument(
         "--rounds", type=int, default=15, metavar="N", help="interleaved rounds (default: %(default)s)"
+    )
+    batch = commands.add_parser(
+        "batch", parents=[shared], help="many small jobs: one batch, and a loop of commands"
+    )
+    batch.add_argument("--jobs", type=int, default=2_000, metavar="N", help="jobs (default: %(default)s)")
+    batch.add_argument(
+        "--loop", type=int, default=50, metavar="N", help="of them, as single commands (default: %(default)s)"
     )
     return top
 
