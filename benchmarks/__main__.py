@@ -1,4 +1,4 @@
-"""`python -m benchmarks [paper | tools | convergence | sizes | shapes | memory | startup | batch]`: parse and hand over.
+"""`python -m benchmarks [paper | tools | convergence | sizes | shapes | memory | startup | batch]`: parse, hand over.
 
 Whatever is timed has one thread.
 

@@ -28,7 +28,11 @@ UNKNOWNS = 5_000
 PICTURES = 16
 EARLY = 0.1  # share of the jobs after which memory is looked at for the first time
 
-POISSON = [sys.executable, "-c", "import sys; sys.argv[0] = 'poisson'; from poisson_cli.main import main; main()"]
+POISSON = [
+    sys.executable,
+    "-c",
+    "import sys; sys.argv[0] = 'poisson'; from poisson_cli.main import main; main()",
+]
 ENVIRONMENT = {
     **os.environ,
     "PYTHONPATH": os.pathsep.join(
@@ -105,7 +109,16 @@ def _loop(folder: Path, jobs: list[dict[str, object]]) -> float:
     start = perf_counter()
     for job in jobs:
         x, y = job["at"]  # type: ignore[misc]
-        words = ["clone", job["source"], job["destination"], "-m", job["mask"], f"--at={x},{y}", "-o", job["output"]]
+        words = [
+            "clone",
+            job["source"],
+            job["destination"],
+            "-m",
+            job["mask"],
+            f"--at={x},{y}",
+            "-o",
+            job["output"],
+        ]
         subprocess.run([*POISSON, *words, "-q"], cwd=folder, env=ENVIRONMENT, check=True)  # type: ignore[list-item]
     return perf_counter() - start
 
