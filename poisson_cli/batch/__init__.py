@@ -80,14 +80,27 @@ def run(
     from poisson_cli.batch import checking, running
     from poisson_cli.batch.manifest import Entry, Manifest
 
-    entries = [Entry(line, tuple(job.items())) for line, job in enumerate(jobs, start=1)]
+    entries = [Entry(line, _plain(job)) for line, job in enumerate(jobs, start=1)]
     tasks = checking.check(
         Manifest(entries),
         folder=running.folder_for(folder, scheduler),
-        defaults=tuple((defaults or {}).items()),
+        defaults=_plain(defaults or {}),
         overwrite=overwrite,
         skip_existing=skip_existing,
     )
     return running.results(
         tasks, workers=workers, keep_going=keep_going, memory=memory, scheduler=scheduler, quiet=True
     )
+
+
+def _plain(values: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
+    """Names and values as a manifest would have them: lists for tuples, text for paths."""
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, Path):
+            return str(value)
+        if isinstance(value, Mapping):
+            return {key: plain(inner) for key, inner in value.items()}
+        return [plain(inner) for inner in value] if isinstance(value, list | tuple) else value
+
+    return tuple((name, plain(value)) for name, value in values.items())

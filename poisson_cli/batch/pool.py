@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Final, cast
 
 from poisson_cli.batch import memory
 from poisson_cli.batch.task import Result, Task
-from poisson_cli.batch.worker import READY, Perform, serve
+from poisson_cli.batch.worker import READY, Perform, deaf, serve
 from poisson_cli.errors import BUG, PoissonError
 
 if TYPE_CHECKING:
@@ -202,8 +202,9 @@ class _Pool:
                 return worker
         if len(self._workers) >= self._most:
             return None
-        worker = _Worker(self._context, self._perform, self._quiet)
-        self._workers.append(worker)
+        with deaf():
+            worker = _Worker(self._context, self._perform, self._quiet)
+            self._workers.append(worker)
         return worker
 
     def _hear(self, worker: _Worker) -> Iterator[Result]:

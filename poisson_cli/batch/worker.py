@@ -10,7 +10,7 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from multiprocessing.connection import Connection
 from types import FrameType
 from typing import TYPE_CHECKING, Any, Final
@@ -20,7 +20,7 @@ from poisson_cli import errors
 if TYPE_CHECKING:
     from poisson_cli.batch.task import Result, Task
 
-__all__ = ["READY", "Perform", "serve"]
+__all__ = ["READY", "Perform", "deaf", "serve"]
 
 Perform = Callable[["Task", int], "Result"]
 """Does a job, begun so many times; must be importable by name, as a new process has to find it."""
@@ -30,6 +30,30 @@ READY: Final = "ready"
 
 _PATIENCE: Final = 3.0
 """Seconds that a worker has to tidy up when the batch is gone."""
+
+
+_STOPS: Final = (signal.SIGINT, signal.SIGTERM)
+
+
+@contextlib.contextmanager
+def deaf() -> Iterator[None]:
+    """Hear of no signal before the end, and let a process that is started meanwhile hear of none before `serve`.
+
+    Half a start would leave a process that complains about it; a process that is half awake would complain as well.
+    """
+    if not hasattr(
+        signal, "pthread_sigmask"
+    ):  # Windows, where a Ctrl-C in between is the worst that can happen
+        yield
+        return
+    from multiprocessing import resource_tracker
+
+    resource_tracker.ensure_running()  # comes with the first process, and would let signals in when it does
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, _STOPS)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def serve(pipe: Connection, perform: Perform | None, quiet: bool) -> None:
@@ -49,6 +73,8 @@ def serve(pipe: Connection, perform: Perform | None, quiet: bool) -> None:
         # A Ctrl-C at the terminal reaches every process there; what becomes of it is for the batch to say.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         signal.signal(signal.SIGTERM, _stop)
+        if hasattr(signal, "pthread_sigmask"):
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, _STOPS)
         threading.Thread(target=_end_with_the_batch, name="end with the batch", daemon=True).start()
         os.environ.setdefault(
             "OPENBLAS_NUM_THREADS", "1"
