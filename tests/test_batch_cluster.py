@@ -13,7 +13,7 @@ import pytest
 from tests.batch_jobs import (
     by_single_commands,
     environment,
-    is_alive,
+    is_buried,
     jobs,
     outputs,
     readers,
@@ -87,10 +87,10 @@ def test_a_lost_worker_loses_nothing(folder, cluster):
     process = start("batch", path.name, "--scheduler", cluster.address, "--report", "-", cwd=folder)
     with open(folder / "pipe.png", "wb"):  # waits until somebody reads
         wait_until(lambda: list(readers(folder / "pipe.png")), "nobody reads")
-        (first,) = readers(folder / "pipe.png")
-        assert first in [worker.pid for worker in cluster.workers]
-        os.kill(first, signal.SIGKILL)
-        wait_until(lambda: not is_alive(first), "cannot be killed")
+        (pid,) = readers(folder / "pipe.png")
+        (first,) = (worker for worker in cluster.workers if worker.pid == pid)
+        first.kill()
+        first.wait()
     with open(folder / "pipe.png", "wb") as pipe:
         pipe.write((folder / "source.png").read_bytes())
     out, err = process.communicate()
@@ -120,7 +120,7 @@ def test_on_this_machine_with_bad_jobs(folder):
             wait_until(lambda: set(readers(pipe)) - set(killed), "nobody reads")
             (reader,) = set(readers(pipe)) - set(killed)
             os.kill(reader, signal.SIGKILL)
-            wait_until(lambda: not is_alive(reader), "cannot be killed")  # noqa: B023
+            wait_until(lambda: is_buried(reader), "cannot be killed")  # noqa: B023
             killed.append(reader)
     out, err = process.communicate()
     assert process.returncode == 1, err
