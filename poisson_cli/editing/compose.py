@@ -96,11 +96,12 @@ def compose(
     start = perf_counter()
     window = Window(destination, placement, source, field)
     mismatch = window.boundary_mismatch()
-    window.seconds["guidance"] = perf_counter() - start
+    preparing = perf_counter() - start
     problem = PoissonProblem.on_canvas(placement.region, window, level=tone.level(destination.dtype))
     result = solve(problem, **options)
-    solving = perf_counter() - start - sum(window.seconds.values())
-    seconds = {"guidance": window.seconds["guidance"], "solve": solving, "paste": window.seconds["paste"]}
+    guidance, paste = preparing + window.guidance_time.seconds, window.paste_time.seconds
+    solving = perf_counter() - start - guidance - paste
+    seconds = {"guidance": guidance, "solve": solving, "paste": paste}
 
     solver = options.get("solver", "multigrid")
     report = EditReport(

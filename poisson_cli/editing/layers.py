@@ -1,5 +1,6 @@
 """The pictures under the window, as working floats, a few rows at a time."""
 
+from copy import copy
 from functools import cached_property
 from typing import Any
 
@@ -70,6 +71,12 @@ class Layer:
                 f"the source has {own} channels but the destination has {channels}: convert one of them"
             )
         return cls(stored, channels or 1, padding, monochrome=monochrome)
+
+    def apart(self) -> "Layer":
+        """The same layer with memory of its own, for another thread."""
+        layer = copy(self)
+        layer._memory = np.empty(0, self.dtype)
+        return layer
 
     def rows(self, first: int, end: int) -> Values:
         """Rows first ... end of the window, (end - first, w, channels): valid until the next call, and to write in."""
