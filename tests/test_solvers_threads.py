@@ -25,7 +25,7 @@ def test_bands_of_any_number_give_the_same_bits(shape, cycle, size, monkeypatch)
         assert shared.solution.tobytes() == alone.solution.tobytes()
         assert shared.history == alone.history
     monkeypatch.setattr(
-        cycles, "LONG_VISIT", 1
+        cycles, "LONG_CALL", 1
     )  # step by step, as a single thread does where calls would be long
     assert solve_multigrid(problem, cycle=cycle, threads=1).history == alone.history
 

@@ -61,14 +61,14 @@ class Placement:
         """Rows and columns of the window's pixels that lie on the source, outside Omega, with a 4-neighbour in it."""
         _, _, ((north, south), (west, east)) = self.source_window()
         height, width = self.region.shape
-        columns = slice(west, width - east)
         rows, cols = [], []
         for first, end in bands(0, height, width):  # what is looked at several times stays in the cache
             near = _neighbours(self.region, first, end) & ~self.region[first:end]
-            low, high = max(first, north), min(end, height - south)
-            row, col = np.nonzero(near[low - first : max(low, high) - first, columns])
-            rows.append(row + low)
-            cols.append(col + west)
+            row, col = np.divmod(np.flatnonzero(near), width)
+            row += first
+            there = (north <= row) & (row < height - south) & (west <= col) & (col < width - east)
+            rows.append(row[there])
+            cols.append(col[there])
         return np.concatenate(rows), np.concatenate(cols)
 
 
