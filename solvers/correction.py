@@ -1,7 +1,8 @@
 """The correction to a first guess: what the solvers iterate on, held in float32, with its residual in float64."""
 
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,10 @@ from solvers.kernels import exact as kernels
 from solvers.layout import Float32, field_size
 from solvers.memory import Arena
 from solvers.problem import PoissonProblem
+from solvers.team import Team
 from solvers.tolerance import LARGEST_ROW_SUM
+
+T = TypeVar("T")
 
 
 @dataclass
@@ -21,6 +25,8 @@ class Correction:
 
     Attributes
     ----------
+    team : Team
+        Who does the work here; no bit depends on how many they are.
     total, x, b : float32
         Fields of `channels` channels; x and b on all levels of the hierarchy, total on the finest.
     exact : bool
@@ -30,25 +36,32 @@ class Correction:
 
     problem: PoissonProblem
     hierarchy: Hierarchy
+    team: Team
     total: Float32
     x: Float32
     b: Float32
     exact: bool = True
+    _pieces: list[NDArray[np.int64]] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        h, channels = self.hierarchy, self.problem.channels
+        self._pieces = self.team.pieces(h.finest_segments, 0, h.unknowns[0] * channels)
 
     @classmethod
-    def of(cls, problem: PoissonProblem, arena: Arena) -> "Correction":
+    def of(cls, problem: PoissonProblem, arena: Arena, team: Team) -> "Correction":
         """u = 0, with the right-hand side of the problem; it lives in the arena."""
         region = problem.region
         if problem.floating:
             # The equations fix all but a constant.  One pixel is held, the constant is set at the end.
             region = region.copy()
             region[region.shape[0] // 2, region.shape[1] // 2] = False
-        hierarchy = build_hierarchy(region, arena, screening=problem.screening)
+        hierarchy = build_hierarchy(region, arena, team, screening=problem.screening)
         arena.reclaim()  # what was needed on the way there is 5 bytes per pixel
         channels, table = problem.channels, hierarchy.table
         correction = cls(
             problem,
             hierarchy,
+            team,
             total=arena.zeros(field_size(table, channels, levels=1)),
             x=arena.zeros(field_size(table, channels)),
             b=arena.zeros(field_size(table, channels)),
@@ -60,26 +73,30 @@ class Correction:
         """b <- the problem's residual at the first guess, or at that + total; whether float32 held it exactly."""
         canvas, h = self.problem.canvas, self.hierarchy
         _, width, channels = canvas.shape
-        line = np.empty(width * channels, np.float32 if canvas.small_integers else np.float64)
+        dtype = np.float32 if canvas.small_integers else np.float64
         total = self.total if corrected else self.total[:0]
-        exact = True
-        for band in canvas.equations():
-            v = [_or_nothing(array, band.values) for array in (band.across, band.down, band.rhs)]
-            rows = band.top, band.first, band.end
-            where = h.weight, h.diagonal, _runs_of(h.finest_runs, band.first, band.end), h.table
-            exact &= bool(kernels.assemble(self.b, line, total, band.values, *v, *rows, *where))
-        return exact
+
+        def rows(first: int, end: int) -> bool:
+            line = np.empty(width * channels, dtype)
+            exact = True
+            for band in canvas.equations(first, end):
+                v = [_or_nothing(array, band.values) for array in (band.across, band.down, band.rhs)]
+                at = band.top, band.first, band.end
+                where = h.weight, h.diagonal, _runs_of(h.finest_runs, band.first, band.end), h.table
+                exact &= bool(kernels.assemble(self.b, line, total, band.values, *v, *at, *where))
+            return exact
+
+        return all(self._share(rows))
 
     def next_stage(self) -> None:
         """total <- total + x, b <- b - A x, x <- 0."""
-        h = self.hierarchy
-        where = h.finest_segments, h.table, self.problem.channels
-        kernels.fold(self.total, self.x, *where)
+        where = self.hierarchy.table, self.problem.channels
+        self.team.run(kernels.fold, [(self.total, self.x, piece, *where) for piece in self._pieces])
         if self.exact:
             self._residual(keep=False)
         else:
             self.assemble(corrected=True)
-        kernels.clear(self.x, *where)
+        self.team.run(kernels.clear, [(self.x, piece, *where) for piece in self._pieces])
 
     def least_error(self) -> float:
         """A lower bound of the largest error, from the true residual, in float64."""
@@ -87,9 +104,13 @@ class Correction:
 
     def _residual(self, *, keep: bool) -> float:
         h = self.hierarchy
-        scratch64 = np.empty(h.longest_segment)
-        where = h.weight, h.diagonal, h.finest_segments, h.table, self.problem.channels
-        bits = kernels.subtract_image(self.b, scratch64, self.x, *where, keep)
+
+        def subtract(piece: NDArray[np.int64]) -> int:
+            scratch64 = np.empty(h.longest_segment)
+            where = h.weight, h.diagonal, piece, h.table, self.problem.channels
+            return int(kernels.subtract_image(self.b, scratch64, self.x, *where, keep))
+
+        bits = max(self.team.run(subtract, [(piece,) for piece in self._pieces]))
         return float(np.int64(bits).view(np.float64))
 
     def solution(self, dtype: type[np.floating[Any]] | None = None) -> Values:
@@ -97,20 +118,27 @@ class Correction:
 
         Of a problem that was given as arrays both are its values plus the correction, the same bits outside the region.
         """
+        h = self.hierarchy
+        drift = self._drift() if self.problem.floating else None
+
+        def correct(guess: Values, top: int) -> None:
+            runs = _runs_of(h.finest_runs, top, top + len(guess))
+            line64 = np.empty(guess.shape[1] * guess.shape[2])
+            kernels.add_solution(guess, line64, self.total, self.x, top, runs, h.table)
+            if drift is not None:
+                guess -= drift.astype(guess.dtype)
+
         if dtype is None:
-            return self.problem.canvas.paint(self.add_to)
+            return self.problem.canvas.paint(correct, self._share)
         solution: Values = self.problem.values.astype(dtype)
-        self.add_to(with_channels(solution), 0)
+        guess = with_channels(solution)
+        self._share(lambda first, end: correct(guess[first:end], first))
         return solution
 
-    def add_to(self, guess: Values, top: int) -> None:
-        """Adds the correction to rows (n, W, C) of the first guess, the first of which is row `top` of the image."""
-        h = self.hierarchy
-        runs = _runs_of(h.finest_runs, top, top + len(guess))
-        line64 = np.empty(guess.shape[1] * guess.shape[2])
-        kernels.add_solution(guess, line64, self.total, self.x, top, runs, h.table)
-        if self.problem.floating:
-            guess -= self._drift().astype(guess.dtype)
+    def _share(self, operation: Callable[[int, int], T]) -> list[T]:
+        """The operation on rows first ... end - 1 of the image, for ranges that make it up; see `canvas.Share`."""
+        height, width, channels = self.problem.canvas.shape
+        return self.team.run(operation, self.team.rows(height, height * width * channels))
 
     def _drift(self) -> NDArray[np.float64]:
         """The mean of the correction, per channel."""

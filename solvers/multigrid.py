@@ -81,7 +81,7 @@ def solve_multigrid(
     max_iterations = check_iterations(max_iterations, MAX_CYCLES)
 
     with borrowed_arena() as arena, Team(threads, problem.unknowns * problem.channels) as team:
-        correction = Correction.of(problem, arena)
+        correction = Correction.of(problem, arena, team)
         cycling = Cycling(correction.hierarchy, cycle, problem.channels, team)
         floor = min(max(ROUNDING, ROUNDING * softness(correction.hierarchy)), LARGEST_FLOOR)
         rates: list[float] = []

@@ -89,7 +89,7 @@ def solve_sor(
     max_iterations = check_iterations(max_iterations, MAX_SWEEPS)
 
     with borrowed_arena() as arena, Team(threads, problem.unknowns * problem.channels) as team:
-        correction = Correction.of(problem, arena)
+        correction = Correction.of(problem, arena, team)
         h, channels = correction.hierarchy, problem.channels
         factor = np.float32(best_omega(h, team) if omega is None else omega)
         sweeps = min(max_iterations, max(1, round(SPAN / (2 - float(factor)))))

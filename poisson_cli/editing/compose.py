@@ -66,13 +66,13 @@ def compose(
 
     window = window_on(field)
     mismatch, outliers = window.boundary_mismatch(), window.outliers()
-    window.seconds["guidance"] = perf_counter() - start
+    preparing = perf_counter() - start
     if rescale:
         result, scale = solve_in_range(window, window_on(without_guidance(field)), solved)
     else:
         result, scale = solved(window), 1.0
-    solving = perf_counter() - start - sum(window.seconds.values())
-    seconds = {"guidance": window.seconds["guidance"], "solve": solving, "paste": window.seconds["paste"]}
+    guidance, paste = preparing + window.guidance_time.seconds, window.paste_time.seconds
+    seconds = {"guidance": guidance, "solve": perf_counter() - start - guidance - paste, "paste": paste}
     report = report_on(
         tool,
         result,
