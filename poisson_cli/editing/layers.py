@@ -95,7 +95,7 @@ class Layer:
     def apart(self) -> "Layer":
         """The same layer with memory of its own, for another thread."""
         layer = copy(self)
-        layer._memory = np.empty(0, self.dtype)
+        layer._memory = np.empty(0, self._stored_dtype)
         return layer
 
     def rows(self, first: int, end: int) -> Values:

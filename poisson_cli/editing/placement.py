@@ -2,6 +2,7 @@
 
 import operator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -11,6 +12,7 @@ from poisson_cli.errors import InputError
 from solvers.canvas import bands
 
 MaskOn = Literal["source", "destination"]
+Pixels = tuple[NDArray[np.intp], NDArray[np.intp]]
 
 
 @dataclass(frozen=True)
@@ -57,19 +59,24 @@ class Placement:
             padding.append((low - start, stop - high))
         return slices[0], slices[1], (padding[0], padding[1])
 
-    def boundary_on_source(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Rows and columns of the window's pixels that lie on the source, outside Omega, with a 4-neighbour in it."""
-        _, _, ((north, south), (west, east)) = self.source_window()
+    @cached_property
+    def boundary(self) -> Pixels:
+        """Rows and columns of the window's pixels outside Omega with a 4-neighbour in it, row by row."""
         height, width = self.region.shape
         rows, cols = [], []
         for first, end in bands(0, height, width):  # what is looked at several times stays in the cache
             near = _neighbours(self.region, first, end) & ~self.region[first:end]
             row, col = np.divmod(np.flatnonzero(near), width)
-            row += first
-            there = (north <= row) & (row < height - south) & (west <= col) & (col < width - east)
-            rows.append(row[there])
-            cols.append(col[there])
+            rows.append(row + first)
+            cols.append(col)
         return np.concatenate(rows), np.concatenate(cols)
+
+    def boundary_on_source(self) -> Pixels:
+        """Those of them that lie on the source."""
+        _, _, ((north, south), (west, east)) = self.source_window()
+        (row, col), (height, width) = self.boundary, self.region.shape
+        there = (north <= row) & (row < height - south) & (west <= col) & (col < width - east)
+        return (row, col) if there.all() else (row[there], col[there])
 
 
 def _neighbours(region: NDArray[np.bool_], first: int, end: int) -> NDArray[np.bool_]:

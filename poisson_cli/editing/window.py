@@ -161,7 +161,7 @@ class Window:
 
     def range(self) -> tuple[float, float]:
         """The range of the picture in stored values; wider where known values of a float picture leave it."""
-        known = self._destination.stored_at(*np.nonzero(self._placement.boundary()))
+        known = self._destination.stored_at(*self._placement.boundary)
         full = tone.FULL_SCALE[self._picture.dtype.type]
         return min(0.0, float(known.min(initial=0))), max(full, float(known.max(initial=full)))
 
@@ -177,7 +177,7 @@ class Window:
 
     def outliers(self) -> float | None:
         """The share of the boundary's pixels that are outliers, before anything is done about them."""
-        rows, cols = np.nonzero(self._placement.boundary())
+        rows, cols = self._placement.boundary
         if self._source is None or rows.size == 0:
             return None
         far = boundary.outlyingness(self._differences(rows, cols), self.space.level)
@@ -185,7 +185,7 @@ class Window:
 
     def _winsorised_rim(self) -> tuple[NDArray[np.intp], NDArray[np.intp], Values] | None:
         """Rows, columns and known values of the boundary's pixels, by rows; None if there are none."""
-        rows, cols = np.nonzero(self._placement.boundary())
+        rows, cols = self._placement.boundary
         if rows.size == 0:
             return None
         return rows, cols, boundary.winsorised(self._differences(rows, cols), self.space.level)
