@@ -33,6 +33,7 @@ SMALL[20:30, 20:30] = disk(10, 10)
     [
         (lambda: clone(PICTURE, PICTURE, MASK, screen=-1.0), "screen is -1"),
         (lambda: mix(PICTURE, PICTURE, MASK, screen=np.nan), "screen is nan"),
+        (lambda: heal(PICTURE, SMALL, screen=np.inf), "screen is inf"),
         (lambda: clone(PICTURE, PICTURE, MASK, then=[Scale(-0.5)]), "amount is -0.5"),
         (lambda: clone(PICTURE, PICTURE, MASK, then=[Attenuate(alpha=0)]), "alpha is 0"),
         (lambda: focus(PICTURE, MASK, amount=np.inf), "amount is inf"),
