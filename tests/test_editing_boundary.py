@@ -30,6 +30,7 @@ def test_outliers_are_drawn_to_where_they_begin_and_all_others_stay():
     rng = np.random.default_rng(1)
     difference = rng.normal(-5, 3, (300, 2))
     difference[7] = (200, -40)
+    difference[8] = (8, -5)
     far = boundary.outlyingness(difference, level=0.1)
     drawn = boundary.winsorised(difference, level=0.1)
     np.testing.assert_array_equal(drawn[far <= 1], difference[far <= 1])
@@ -40,6 +41,8 @@ def test_outliers_are_drawn_to_where_they_begin_and_all_others_stay():
         boundary.DEVIATIONS * boundary.DEVIATION_PER_MEDIAN * np.median(np.abs(difference - middle), axis=0)
     )
     assert np.isclose(np.abs(moved / worst).max(), 1)
+    assert ((1 < far) & (far < 2)).any()
+    assert (np.abs(drawn - middle) <= worst * (1 + 1e-9)).all()
 
 
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32, np.float64])
