@@ -6,11 +6,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from solvers.canvas import Values, with_channels
+from solvers.canvas import Correct, Values, with_channels
 from solvers.hierarchy import Hierarchy, build_hierarchy
 from solvers.kernels import exact as kernels
 from solvers.layout import Float32, field_size
 from solvers.memory import Arena
+from solvers.narrow import DirectSolution
 from solvers.problem import PoissonProblem
 from solvers.tolerance import LARGEST_ROW_SUM
 
@@ -26,6 +27,8 @@ class Correction:
     exact : bool
         Whether b_0 is exact in float32, as it is for 8- and 16-bit pictures.  b then follows total by subtraction; else
         b is assembled anew, because a rounded b_0 has a solution of its own.
+    direct : DirectSolution or None
+        The correction in parts of the region that the hierarchy leaves out.
     """
 
     problem: PoissonProblem
@@ -34,11 +37,14 @@ class Correction:
     x: Float32
     b: Float32
     exact: bool = True
+    direct: DirectSolution | None = None
 
     @classmethod
-    def of(cls, problem: PoissonProblem, arena: Arena) -> "Correction":
-        """u = 0, with the right-hand side of the problem; it lives in the arena."""
-        region = problem.region
+    def of(
+        cls, problem: PoissonProblem, arena: Arena, direct: DirectSolution | None = None
+    ) -> "Correction":
+        """u = 0 but where it is known already, with the right-hand side of the problem; it lives in the arena."""
+        region = problem.region if direct is None else direct.rest()
         if problem.floating:
             # The equations fix all but a constant.  One pixel is held, the constant is set at the end.
             region = region.copy()
@@ -52,6 +58,7 @@ class Correction:
             total=arena.zeros(field_size(table, channels, levels=1)),
             x=arena.zeros(field_size(table, channels)),
             b=arena.zeros(field_size(table, channels)),
+            direct=direct,
         )
         correction.exact = correction.assemble()
         return correction
@@ -92,16 +99,9 @@ class Correction:
         bits = kernels.subtract_image(self.b, scratch64, self.x, *where, keep)
         return float(np.int64(bits).view(np.float64))
 
-    def solution(self, dtype: type[np.floating[Any]] | None = None) -> Values:
-        """What the problem's canvas makes of the correction; with `dtype`: first guess + correction, of that dtype.
-
-        Of a problem that was given as arrays both are its values plus the correction, the same bits outside the region.
-        """
-        if dtype is None:
-            return self.problem.canvas.paint(self.add_to)
-        solution: Values = self.problem.values.astype(dtype)
-        self.add_to(with_channels(solution), 0)
-        return solution
+    def solution(self) -> Values:
+        """First guess + correction, as the problem's canvas paints it."""
+        return corrected(self.problem, self.add_to)
 
     def add_to(self, guess: Values, top: int) -> None:
         """Adds the correction to rows (n, W, C) of the first guess, the first of which is row `top` of the image."""
@@ -109,6 +109,8 @@ class Correction:
         runs = _runs_of(h.finest_runs, top, top + len(guess))
         line64 = np.empty(guess.shape[1] * guess.shape[2])
         kernels.add_solution(guess, line64, self.total, self.x, top, runs, h.table)
+        if self.direct is not None:
+            self.direct.add_to(guess, top)
         if self.problem.floating:
             guess -= self._drift().astype(guess.dtype)
 
@@ -118,6 +120,20 @@ class Correction:
         total, x = (u[: self.total.size].reshape(channels, -1) for u in (self.total, self.x))
         sums = total.sum(1, dtype=np.float64) + x.sum(1, dtype=np.float64)
         return np.asarray(sums / (height * width), np.float64)
+
+
+def corrected(
+    problem: PoissonProblem, correct: Correct, dtype: type[np.floating[Any]] | None = None
+) -> Values:
+    """What the problem's canvas makes of a correction; with `dtype`: first guess + correction, of that dtype.
+
+    Of a problem that was given as arrays both are its values plus the correction, the same bits outside the region.
+    """
+    if dtype is None:
+        return problem.canvas.paint(correct)
+    solution: Values = problem.values.astype(dtype)
+    correct(with_channels(solution), 0)
+    return solution
 
 
 def _runs_of(runs: NDArray[np.int32], first: int, end: int) -> NDArray[np.int32]:

@@ -29,6 +29,12 @@ def available_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+def check_threads(threads: int | None) -> None:
+    """OptionError if there is to be no thread."""
+    if threads is not None and threads < 1:
+        raise OptionError(f"threads is {threads}, but must be at least 1")
+
+
 class Team:
     """A number of threads that lives as long as its context.
 
@@ -44,8 +50,7 @@ class Team:
     """
 
     def __init__(self, threads: int | None, values: int) -> None:
-        if threads is not None and threads < 1:
-            raise OptionError(f"threads is {threads}, but must be at least 1")
+        check_threads(threads)
         if threads is None:
             threads = available_cores() if values >= 4 * WORTH_SHARING else 1
         self.threads = threads
