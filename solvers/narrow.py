@@ -31,7 +31,7 @@ EFFORT = 120
 LARGEST_PART = 500_000
 CALL = 500_000  # unknowns of all parts of a call
 # Of a part's unknowns, those that may be left when none has few neighbours any more: a share, or so many,
-LARGE_SHARE, FEWEST_LARGE = 16, 64
+LARGE_SHARE, FEWEST_LARGE = 8, 256
 CORE = 400  # and those that are solved with a full matrix in the end
 
 LARGEST_REGION = 1 << 30  # unknowns: they are numbered in 32 bits
@@ -162,7 +162,7 @@ def _solve(b: NDArray[np.float64], parts: Parts, arena: Arena) -> tuple[NDArray[
         arena.doubles(largest * (kernels.SUMS + width + kernels.ROOM)),
         arena.integers(large * (kernels.LINKS + kernels.LARGE_ROOM)),
         arena.doubles(large * (kernels.SUMS + width + kernels.LARGE_ROOM)),
-        arena.integers(kernels.LARGE_ROOM + 1),
+        arena.integers(largest),
         arena.integers(largest),
         arena.doubles(core, core + width),
     )
@@ -203,9 +203,9 @@ def _or_nothing(values: Values | None, like: Values) -> Values:
 
 def _worth_looking(region: NDArray[np.bool_]) -> bool:
     """Whether multigrid would sweep far more places than the region has; one pass over the mask."""
-    unknowns = tiles = 0
+    unknowns = places = 0
     rows = max(2, BAND // region.shape[1] & ~1)
     for first in range(0, len(region), rows):
         more = kernels.survey(region, first, min(first + rows, len(region)))
-        unknowns, tiles = unknowns + more[0], tiles + more[1]
-    return bool(unknowns <= LARGEST_REGION and unknowns < WELL_FILLED * tiles * 2 * kernels.TILE)
+        unknowns, places = unknowns + more[0], places + more[1]
+    return bool(unknowns <= LARGEST_REGION and unknowns < WELL_FILLED * places)

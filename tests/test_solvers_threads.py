@@ -18,16 +18,16 @@ def test_bands_of_any_number_give_the_same_bits(shape, cycle, size, monkeypatch)
     rng = np.random.default_rng(7)
     values = rng.integers(0, 256, (*size, 2)).astype(np.float32)
     problem = PoissonProblem(region, values, Guidance.of(values[::-1].copy()))
-    alone = solve_multigrid(problem, cycle=cycle, threads=1)
+    alone = solve_multigrid(problem, cycle=cycle, threads=1, direct=False)
     monkeypatch.setattr(cycles, "WORTH_SHARING", 1)
     for threads in (2, 3, 7):
-        shared = solve_multigrid(problem, cycle=cycle, threads=threads)
+        shared = solve_multigrid(problem, cycle=cycle, threads=threads, direct=False)
         assert shared.solution.tobytes() == alone.solution.tobytes()
         assert shared.history == alone.history
     monkeypatch.setattr(
         cycles, "LONG_VISIT", 1
     )  # step by step, as a single thread does where calls would be long
-    assert solve_multigrid(problem, cycle=cycle, threads=1).history == alone.history
+    assert solve_multigrid(problem, cycle=cycle, threads=1, direct=False).history == alone.history
 
 
 def test_levels_really_are_shared_out(monkeypatch):

@@ -6,23 +6,24 @@ from solvers.kernels.policy import inlined, jit
 
 KNOWN, BEYOND = -1, -2  # in place of a neighbour's number: the pixel is known, the image ends
 
-# An unknown's record among the integers: its place in a queue, its number of neighbours left, and who they are;
-AFTER, BEFORE, QUEUED, DEGREE, LINKS = range(5)
+# An unknown's record among the integers: how it stands, its number in another list, its neighbours left and who they are;
+STATE, NUMBER, DEGREE, LINKS = range(4)
 # and among the numbers: d, then b of each channel, then the weights of its neighbours, in the same order.
 DIAGONAL, SUMS = range(2)
 
-TILE = 32  # columns
+# How an unknown stands.
+WAITING, STACKED, ELIMINATED = range(3)
 
-# In place of a queue: the unknown waits for a neighbour's turn; its turn is over.
-WAITING, ELIMINATED = -1, -2
-
-# Neighbours that a record has room for: enough for strokes and specks, a cache line of integers with the rest;
-ROOM = 12
+# Neighbours that a record has room for: enough for strokes and specks, and a cache line with the rest;
+ROOM = 13
 # and enough for what strokes that cross leave.
 LARGE_ROOM = 60
-SPARE = 4  # an unknown has its turn while so much room is left, at least
+SPARE = 4  # the room that an unknown leaves when it has its turn, at least
+FEWEST = 2  # neighbours: what a stroke has at its end
 
 u = np.uint64  # what arrays are indexed with, see solvers.kernels
+
+TILE = 32  # columns, see `survey`
 
 ABS_BITS = np.int64(0x7FFFFFFFFFFFFFFF)  # all but the sign of a float64
 
@@ -44,9 +45,9 @@ def value_of(bits):
 
 @jit
 def survey(region, first, end):
-    """Unknowns in rows first ... end, and tiles of 2 rows x TILE columns that hold some; `first` is even."""
+    """Unknowns in rows first ... end, and pixels of the tiles of 2 rows x TILE columns that hold some; `first` is even."""
     width = region.shape[1]
-    unknowns = tiles = np.int64(0)
+    unknowns = pixels = np.int64(0)
     for row in range(first, end, 2):
         upper, lower = region[row], region[min(row + 1, end - 1)]
         for low in range(0, width, TILE):
@@ -54,12 +55,13 @@ def survey(region, first, end):
             count = np.int32(0)
             for i in range(a.shape[0]):
                 count += np.int32(a[i]) + np.int32(b[i])
-            tiles += count > 0
+            if count > 0:
+                pixels += a.shape[0] * min(2, end - row)
             unknowns += count
         if row + 1 == end:  # the last row was counted twice
             for i in range(width):
                 unknowns -= upper[i]
-    return unknowns, tiles
+    return unknowns, pixels
 
 
 # --- parts -------------------------------------------------------------------------------------------------------
@@ -209,27 +211,18 @@ def add_at(guess, solution, place, low, high, top):
 
 
 @inlined
-def put(heads, nodes, stride, v, degree):
-    """Puts v in front of the queue of its degree."""
-    own, second = v * stride, np.int64(heads[degree])
-    nodes[u(own + AFTER)], nodes[u(own + BEFORE)], nodes[u(own + QUEUED)] = second, -1, degree
-    if second >= 0:
-        nodes[u(second * stride + BEFORE)] = v
-    heads[degree] = v
-
-
-@inlined
-def take(heads, nodes, stride, v):
-    """Takes v out of its queue."""
-    own = v * stride
-    left, right = np.int64(nodes[u(own + BEFORE)]), np.int64(nodes[u(own + AFTER)])
-    if left >= 0:
-        nodes[u(left * stride + AFTER)] = right
+def add_scaled(sums, to, a, factor, width):
+    """sums[to ...] += factor * sums[a ...], `width` of them; four, for three channels, without a loop."""
+    if width == 4:
+        a0, a1, a2, a3 = sums[u(a)], sums[u(a + 1)], sums[u(a + 2)], sums[u(a + 3)]
+        t0, t1, t2, t3 = sums[u(to)], sums[u(to + 1)], sums[u(to + 2)], sums[u(to + 3)]
+        sums[u(to)] = t0 + factor * a0
+        sums[u(to + 1)] = t1 + factor * a1
+        sums[u(to + 2)] = t2 + factor * a2
+        sums[u(to + 3)] = t3 + factor * a3
     else:
-        heads[nodes[u(own + QUEUED)]] = right
-    if right >= 0:
-        nodes[u(right * stride + BEFORE)] = left
-    nodes[u(own + QUEUED)] = WAITING
+        for c in range(width):
+            sums[u(to + c)] += factor * sums[u(a + c)]
 
 
 @inlined
@@ -241,79 +234,95 @@ def position(nodes, base, degree, wanted):
     return s
 
 
+@inlined
+def eliminate_one(nodes, sums, v, width, room):
+    """Takes unknown v out of the equations of its neighbours."""
+    stride, span, weights = LINKS + room, SUMS + width + room, SUMS + width
+    d = np.int64(nodes[u(v * stride + DEGREE)])
+    links, own = v * stride + LINKS, v * span
+    inverse = 1.0 / sums[u(own + DIAGONAL)]
+    sums[u(own + DIAGONAL)] = inverse
+    nodes[u(v * stride + STATE)] = ELIMINATED
+    for p in range(d):
+        q, weight = np.int64(nodes[u(links + p)]), sums[u(own + weights + p)]
+        base, there = q * stride + LINKS, q * span
+        share = weight * inverse
+        sums[u(there + DIAGONAL)] -= share * weight
+        add_scaled(sums, there + SUMS, own + SUMS, share, width)
+        # q forgets v, and comes to know the others.
+        degree = np.int64(nodes[u(q * stride + DEGREE)]) - 1
+        s = position(nodes, base, degree, v)
+        nodes[u(base + s)] = nodes[u(base + degree)]
+        sums[u(there + weights + s)] = sums[u(there + weights + degree)]
+        for o in range(d):
+            if o != p:
+                r = np.int64(nodes[u(links + o)])
+                more = (weight * sums[u(own + weights + o)]) * inverse
+                s = position(nodes, base, degree, r)
+                if s < degree:
+                    sums[u(there + weights + s)] += more
+                else:
+                    nodes[u(base + s)], sums[u(there + weights + s)] = r, more
+                    degree += 1
+        nodes[u(q * stride + DEGREE)] = degree
+
+
+@inlined
+def crowded(nodes, v, room):
+    """Whether a neighbour of v might have no room for the others."""
+    stride = LINKS + room
+    d = np.int64(nodes[u(v * stride + DEGREE)])
+    full = False
+    for p in range(d):
+        q = np.int64(nodes[u(v * stride + LINKS + p)])
+        full |= nodes[u(q * stride + DEGREE)] + d - 2 > room
+    return full
+
+
 @jit
-def eliminate(nodes, sums, heads, sequence, n, width, room, effort):
-    """Eliminates unknowns, those with fewest neighbours first, as long as there is room; returns how many.
+def eliminate(nodes, sums, stack, sequence, n, width, room, effort):
+    """Eliminates unknowns, those with few neighbours first, as long as there is room; returns how many.
 
     Eliminating x_p = (b_p + sum of w_pq x_q) / d_p leaves its neighbours coupled with each other, by w_pq w_pr / d_p
     more than before.  The record of p stays as it is then, for `substitute`, but with 1 / d_p for d_p.
 
-    nodes, sums: a record of each unknown, with `room` for neighbours and `width` channels.  heads: scratch, the first
-    unknown of each queue.  sequence: the unknowns in the order of elimination.  effort: steps to take at most; returns
-    -1 if it takes more.
+    First come all that have up to two neighbours, or have no more by then, next all with three, and so on.  Whoever
+    loses a neighbour is looked at at once, so that a stroke is followed from its end.
+
+    nodes, sums: a record of each unknown, with `room` for neighbours and `width` channels.  stack: (n,), scratch.
+    sequence: the unknowns in the order of elimination.  effort: steps to take at most; returns -1 if it takes more.
     """
-    stride, span, weights = LINKS + room, SUMS + width + room, SUMS + width
-    most = room - SPARE
-    for d in range(most + 1):
-        heads[d] = -1
-    for v in range(n - 1, -1, -1):
-        degree = np.int64(nodes[v * stride + DEGREE])
-        nodes[v * stride + QUEUED] = WAITING
-        if degree <= most:
-            put(heads, nodes, stride, v, degree)
-    done, fewest = np.int64(0), np.int64(0)
-    while True:
-        while fewest <= most and heads[fewest] < 0:
-            fewest += 1
-        if fewest > most:
-            return done
-        v = np.int64(heads[fewest])
-        take(heads, nodes, stride, v)
-        d = np.int64(nodes[u(v * stride + DEGREE)])
-        links, own = v * stride + LINKS, v * span
-        crowded = False
-        for p in range(d):
-            crowded |= nodes[u(np.int64(nodes[u(links + p)]) * stride + DEGREE)] + d - 2 > room
-        if crowded:
-            continue
-        effort -= (d + 1) * (d + 1)
-        if effort < 0:
-            return -1
-        inverse = 1.0 / sums[u(own + DIAGONAL)]
-        sums[u(own + DIAGONAL)] = inverse
-        nodes[u(v * stride + QUEUED)] = ELIMINATED
-        for p in range(d):
-            q, weight = np.int64(nodes[u(links + p)]), sums[u(own + weights + p)]
-            base, there = q * stride + LINKS, q * span
-            share = weight * inverse
-            sums[u(there + DIAGONAL)] -= share * weight
-            for c in range(width):
-                sums[u(there + SUMS + c)] += share * sums[u(own + SUMS + c)]
-            # q forgets v, and comes to know the others.
-            degree = np.int64(nodes[u(q * stride + DEGREE)]) - 1
-            s = position(nodes, base, degree, v)
-            nodes[u(base + s)] = nodes[u(base + degree)]
-            sums[u(there + weights + s)] = sums[u(there + weights + degree)]
-            for o in range(d):
-                if o != p:
-                    r = np.int64(nodes[u(links + o)])
-                    more = (weight * sums[u(own + weights + o)]) * inverse
-                    s = position(nodes, base, degree, r)
-                    if s < degree:
-                        sums[u(there + weights + s)] += more
-                    else:
-                        nodes[u(base + s)], sums[u(there + weights + s)] = r, more
-                        degree += 1
-            nodes[u(q * stride + DEGREE)] = degree
-            queue = np.int64(nodes[u(q * stride + QUEUED)])
-            if queue != degree:
-                if queue >= 0:
-                    take(heads, nodes, stride, q)
-                if degree <= most:
-                    put(heads, nodes, stride, q, degree)
-                    fewest = min(fewest, degree)
-        sequence[done] = v
-        done += 1
+    stride = LINKS + room
+    for v in range(n):
+        nodes[v * stride + STATE] = WAITING
+    done = np.int64(0)
+    for limit in range(FEWEST, room - SPARE + 1):
+        for seed in range(n):
+            at = seed * stride
+            if nodes[u(at + STATE)] != WAITING or nodes[u(at + DEGREE)] > limit:
+                continue
+            stack[0], top = seed, np.int64(1)
+            while top > 0:
+                top -= 1
+                v = np.int64(stack[top])
+                at = v * stride
+                nodes[u(at + STATE)] = WAITING
+                d = np.int64(nodes[u(at + DEGREE)])
+                if d > limit or (d > 2 and crowded(nodes, v, room)):
+                    continue
+                effort -= (d + 1) * (d + 1)
+                if effort < 0:
+                    return -1
+                eliminate_one(nodes, sums, v, width, room)
+                sequence[done] = v
+                done += 1
+                for p in range(d):
+                    q = np.int64(nodes[u(at + LINKS + p)])
+                    if nodes[u(q * stride + STATE)] == WAITING and nodes[u(q * stride + DEGREE)] <= limit:
+                        stack[top] = q
+                        nodes[u(q * stride + STATE)] = STACKED
+                        top += 1
+    return done
 
 
 @jit
@@ -325,32 +334,31 @@ def substitute(nodes, sums, sequence, done, width, room):
         links, own = v * stride + LINKS, v * span
         inverse = sums[u(own + DIAGONAL)]
         for p in range(nodes[u(v * stride + DEGREE)]):
-            weight, there = sums[u(own + weights + p)], np.int64(nodes[u(links + p)]) * span
-            for c in range(SUMS, SUMS + width):
-                sums[u(own + c)] += weight * sums[u(there + c)]
+            there = np.int64(nodes[u(links + p)]) * span
+            add_scaled(sums, own + SUMS, there + SUMS, sums[u(own + weights + p)], width)
         for c in range(SUMS, SUMS + width):
             sums[u(own + c)] *= inverse
 
 
 @jit
 def condense(large_nodes, large_sums, nodes, sums, n, width, room, large_room):
-    """Those unknowns that `eliminate` left, in records with more room.  Their new numbers stand in AFTER of the old."""
+    """Those unknowns that `eliminate` left, in records with more room.  The old ones know their new number."""
     stride, span, weights = LINKS + room, SUMS + width + room, SUMS + width
     large_stride, large_span = LINKS + large_room, SUMS + width + large_room
     count = 0
     for v in range(n):
-        if nodes[v * stride + QUEUED] != ELIMINATED:
-            nodes[v * stride + AFTER] = count
+        if nodes[v * stride + STATE] != ELIMINATED:
+            nodes[v * stride + NUMBER] = count
             count += 1
     for v in range(n):
-        if nodes[v * stride + QUEUED] == ELIMINATED:
+        if nodes[v * stride + STATE] == ELIMINATED:
             continue
-        number = np.int64(nodes[v * stride + AFTER])
+        number = np.int64(nodes[v * stride + NUMBER])
         degree = nodes[v * stride + DEGREE]
         large_nodes[number * large_stride + DEGREE] = degree
         for p in range(degree):
             q = np.int64(nodes[v * stride + LINKS + p])
-            large_nodes[number * large_stride + LINKS + p] = nodes[q * stride + AFTER]
+            large_nodes[number * large_stride + LINKS + p] = nodes[q * stride + NUMBER]
         for k in range(weights + degree):
             large_sums[number * large_span + k] = sums[v * span + k]
 
@@ -359,8 +367,8 @@ def condense(large_nodes, large_sums, nodes, sums, n, width, room, large_room):
 def expand(sums, nodes, large_sums, n, width, room, large_room):
     """The values of the unknowns that `condense` took along, back to where they came from."""
     for v in range(n):
-        if nodes[v * (LINKS + room) + QUEUED] != ELIMINATED:
-            there = np.int64(nodes[v * (LINKS + room) + AFTER]) * (SUMS + width + large_room)
+        if nodes[v * (LINKS + room) + STATE] != ELIMINATED:
+            there = np.int64(nodes[v * (LINKS + room) + NUMBER]) * (SUMS + width + large_room)
             own = v * (SUMS + width + room)
             for c in range(SUMS, SUMS + width):
                 sums[own + c] = large_sums[there + c]
@@ -368,26 +376,23 @@ def expand(sums, nodes, large_sums, n, width, room, large_room):
 
 @jit
 def solve_core(core, nodes, sums, n, size, width, room):
-    """x in place of b for the `size` unknowns that `eliminate` left, by a full matrix; `core` has room for it.
-
-    Their numbers in it are left in AFTER.
-    """
+    """x in place of b for the `size` unknowns that `eliminate` left, by a full matrix; `core` has room for it."""
     stride, span, weights = LINKS + room, SUMS + width + room, SUMS + width
     count = 0
     for v in range(n):
-        if nodes[v * stride + QUEUED] != ELIMINATED:
-            nodes[v * stride + AFTER] = count
+        if nodes[v * stride + STATE] != ELIMINATED:
+            nodes[v * stride + NUMBER] = count
             count += 1
     for v in range(n):
-        if nodes[v * stride + QUEUED] == ELIMINATED:
+        if nodes[v * stride + STATE] == ELIMINATED:
             continue
-        i = np.int64(nodes[v * stride + AFTER])
+        i = np.int64(nodes[v * stride + NUMBER])
         for j in range(size):
             core[i, j] = 0.0
         core[i, i] = sums[v * span + DIAGONAL]
         for p in range(nodes[v * stride + DEGREE]):
             q = np.int64(nodes[v * stride + LINKS + p])
-            core[i, np.int64(nodes[q * stride + AFTER])] = -sums[v * span + weights + p]
+            core[i, np.int64(nodes[q * stride + NUMBER])] = -sums[v * span + weights + p]
         for c in range(width):
             core[i, size + c] = sums[v * span + SUMS + c]
     for j in range(size):
@@ -404,25 +409,25 @@ def solve_core(core, nodes, sums, n, size, width, room):
                 core[i, c] -= core[i, j] * core[j, c]
             core[i, c] /= core[i, i]
     for v in range(n):
-        if nodes[v * stride + QUEUED] != ELIMINATED:
+        if nodes[v * stride + STATE] != ELIMINATED:
             for c in range(width):
-                sums[v * span + SUMS + c] = core[np.int64(nodes[v * stride + AFTER]), size + c]
+                sums[v * span + SUMS + c] = core[np.int64(nodes[v * stride + NUMBER]), size + c]
 
 
 @jit
-def solve_records(nodes, sums, large_nodes, large_sums, heads, sequence, core, n, width, effort):
+def solve_records(nodes, sums, large_nodes, large_sums, stack, sequence, core, n, width, effort):
     """x in place of b in the records of one part; whether that took no more than `effort` steps, and no more scratch.
 
     nodes, sums: records with `ROOM`.  large_nodes, large_sums: scratch, records with `LARGE_ROOM`.
     """
-    done = eliminate(nodes, sums, heads, sequence, n, width, ROOM, effort)
+    done = eliminate(nodes, sums, stack, sequence, n, width, ROOM, effort)
     left = n - done
     if done < 0 or left * (LINKS + LARGE_ROOM) > large_nodes.shape[0]:
         return False
     if left > 0:
         condense(large_nodes, large_sums, nodes, sums, n, width, ROOM, LARGE_ROOM)
         order = sequence[done:]
-        more = eliminate(large_nodes, large_sums, heads, order, left, width, LARGE_ROOM, effort)
+        more = eliminate(large_nodes, large_sums, stack, order, left, width, LARGE_ROOM, effort)
         size = left - more
         if more < 0 or size > core.shape[0] or size * size * size > 4 * effort:
             return False
@@ -436,7 +441,7 @@ def solve_records(nodes, sums, large_nodes, large_sums, heads, sequence, core, n
 
 @jit
 def solve_parts(
-    b, solved, nodes, sums, large_nodes, large_sums, heads, sequence, core,
+    b, solved, nodes, sums, large_nodes, large_sums, stack, sequence, core,
     near, order, rank, starts, first, end, effort,
 ):  # fmt: skip
     """Solves A x = b on the parts first ... end of the region; x takes the place of b.
@@ -470,7 +475,7 @@ def solve_parts(
                 sums[v * span + SUMS + c] = b[i, c]
             sums[v * span + SUMS + channels] = 1.0
         solved[part] = solve_records(
-            nodes, sums, large_nodes, large_sums, heads, sequence, core, n, width, effort * n
+            nodes, sums, large_nodes, large_sums, stack, sequence, core, n, width, effort * n
         )
         if not solved[part]:
             continue
