@@ -40,9 +40,7 @@ class Correction:
     direct: DirectSolution | None = None
 
     @classmethod
-    def of(
-        cls, problem: PoissonProblem, arena: Arena, direct: DirectSolution | None = None
-    ) -> "Correction":
+    def of(cls, problem: PoissonProblem, arena: Arena, direct: DirectSolution | None = None) -> "Correction":
         """u = 0 but where it is known already, with the right-hand side of the problem; it lives in the arena."""
         region = problem.region if direct is None else direct.rest()
         if problem.floating:

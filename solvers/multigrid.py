@@ -1,4 +1,4 @@
-"""Multigrid: V-, F- and W-cycles on a region of any shape; and a direct solution of those parts of it that are narrow."""
+"""Multigrid: V-, F- and W-cycles on a region of any shape; its narrow parts are solved directly."""
 
 from contextlib import ExitStack
 from dataclasses import replace
@@ -120,9 +120,9 @@ def solve_multigrid(
             estimated_error,
             tolerance=tolerance,
             max_iterations=max_iterations,
-            method=lambda: ("" if narrow is None else "directly and by ")
-            + "multigrid "
-            + ", then ".join(cycling.names),
+            method=lambda: (
+                ("" if narrow is None else "directly and by ") + "multigrid " + ", then ".join(cycling.names)
+            ),
             floor=floor,
             gain=max(STAGE_GAIN, 2 * floor),
             progress=progress,

@@ -32,9 +32,7 @@ def errors(region: np.ndarray, cycle: str) -> list[float]:
     problem, answer = problem_with_known_answer(region)
     measured = [float(np.abs(answer[region]).max())]
     for cycles in range(1, CYCLES + 1):
-        result = solve_multigrid(
-            problem, cycle=cycle, tolerance=1e-12, max_iterations=cycles, direct=False
-        )
+        result = solve_multigrid(problem, cycle=cycle, tolerance=1e-12, max_iterations=cycles, direct=False)
         assert result.method == f"multigrid {cycle}"  # no stronger cycle came to its help
         error = float(np.abs(result.solution - answer).max())
         if error < FLOOR:

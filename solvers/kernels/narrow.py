@@ -6,7 +6,7 @@ from solvers.kernels.policy import inlined, jit
 
 KNOWN, BEYOND = -1, -2  # in place of a neighbour's number: the pixel is known, the image ends
 
-# An unknown's record among the integers: how it stands, its number in another list, its neighbours left and who they are;
+# An unknown's record among the integers: how it stands, its number in another list, how many neighbours, and which;
 STATE, NUMBER, DEGREE, LINKS = range(4)
 # and among the numbers: d, then b of each channel, then the weights of its neighbours, in the same order.
 DIAGONAL, SUMS = range(2)
@@ -19,6 +19,7 @@ ROOM = 13
 # and enough for what strokes that cross leave.
 LARGE_ROOM = 60
 SPARE = 4  # the room that an unknown leaves when it has its turn, at least
+CORE_STEPS = 32  # a full matrix of n unknowns takes n^3 / CORE_STEPS times as long as a step of elimination
 FEWEST = 2  # neighbours: what a stroke has at its end
 
 u = np.uint64  # what arrays are indexed with, see solvers.kernels
@@ -45,7 +46,7 @@ def value_of(bits):
 
 @jit
 def survey(region, first, end):
-    """Unknowns in rows first ... end, and pixels of the tiles of 2 rows x TILE columns that hold some; `first` is even."""
+    """Unknowns in rows first ... end, and pixels of the tiles of 2 x TILE that hold some; `first` is even."""
     width = region.shape[1]
     unknowns = pixels = np.int64(0)
     for row in range(first, end, 2):
@@ -293,15 +294,16 @@ def eliminate(nodes, sums, stack, sequence, n, width, room, effort):
     sequence: the unknowns in the order of elimination.  effort: steps to take at most; returns -1 if it takes more.
     """
     stride = LINKS + room
-    for v in range(n):
-        nodes[v * stride + STATE] = WAITING
+    for k in range(n):
+        nodes[k * stride + STATE] = WAITING
     done = np.int64(0)
     for limit in range(FEWEST, room - SPARE + 1):
         for seed in range(n):
             at = seed * stride
             if nodes[u(at + STATE)] != WAITING or nodes[u(at + DEGREE)] > limit:
                 continue
-            stack[0], top = seed, np.int64(1)
+            stack[0] = seed
+            top = 1
             while top > 0:
                 top -= 1
                 v = np.int64(stack[top])
@@ -386,15 +388,15 @@ def solve_core(core, nodes, sums, n, size, width, room):
     for v in range(n):
         if nodes[v * stride + STATE] == ELIMINATED:
             continue
-        i = np.int64(nodes[v * stride + NUMBER])
+        own = np.int64(nodes[v * stride + NUMBER])
         for j in range(size):
-            core[i, j] = 0.0
-        core[i, i] = sums[v * span + DIAGONAL]
+            core[own, j] = 0.0
+        core[own, own] = sums[v * span + DIAGONAL]
         for p in range(nodes[v * stride + DEGREE]):
             q = np.int64(nodes[v * stride + LINKS + p])
-            core[i, np.int64(nodes[q * stride + NUMBER])] = -sums[v * span + weights + p]
+            core[own, np.int64(nodes[q * stride + NUMBER])] = -sums[v * span + weights + p]
         for c in range(width):
-            core[i, size + c] = sums[v * span + SUMS + c]
+            core[own, size + c] = sums[v * span + SUMS + c]
     for j in range(size):
         pivot = core[j, j + 1 : size + width]
         for i in range(j + 1, size):
@@ -403,7 +405,8 @@ def solve_core(core, nodes, sums, n, size, width, room):
                 row = core[i, j + 1 : size + width]
                 for k in range(row.shape[0]):
                     row[k] -= factor * pivot[k]
-    for i in range(size - 1, -1, -1):
+    for back in range(1, size + 1):
+        i = size - back
         for c in range(size, size + width):
             for j in range(i + 1, size):
                 core[i, c] -= core[i, j] * core[j, c]
@@ -429,7 +432,7 @@ def solve_records(nodes, sums, large_nodes, large_sums, stack, sequence, core, n
         order = sequence[done:]
         more = eliminate(large_nodes, large_sums, stack, order, left, width, LARGE_ROOM, effort)
         size = left - more
-        if more < 0 or size > core.shape[0] or size * size * size > 4 * effort:
+        if more < 0 or size > core.shape[0] or size * size * size > CORE_STEPS * effort:
             return False
         if size > 0:
             solve_core(core, large_nodes, large_sums, left, size, width, LARGE_ROOM)
