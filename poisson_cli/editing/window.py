@@ -88,6 +88,8 @@ class Window:
         window = self._placement.on_destination(picture)
         window = window.reshape(self.shape) if window.ndim == 2 else window
         for first, end in self._bands():
+            if not self._region[first:end].any():
+                continue  # between parts that lie far apart
             base = self._field.base(self._band(first, end))
             if self._shift is not None:
                 base += self._shift
