@@ -103,7 +103,7 @@ def line(summary: Summary) -> str:
     method = edit.solver if edit.cycle is None else edit.method.replace(",", "")
     parts = [
         f"{edit.tool}: {_counted(edit.unknowns, 'pixel')} at {col},{row} ({width}x{height})",
-        f"{method} x {edit.iterations}",
+        f"{method} x {edit.iterations}" if edit.iterations else method,
         _error(edit),
     ]
     if edit.floating and summary.selected is not None:  # of a whole picture that is understood

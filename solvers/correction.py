@@ -7,11 +7,12 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from solvers.canvas import Values, with_channels
+from solvers.canvas import Correct, Values, with_channels
 from solvers.hierarchy import Hierarchy, build_hierarchy
 from solvers.kernels import exact as kernels
 from solvers.layout import Float32, field_size
 from solvers.memory import Arena
+from solvers.narrow import DirectSolution
 from solvers.problem import PoissonProblem
 from solvers.team import Team
 from solvers.tolerance import LARGEST_ROW_SUM
@@ -32,6 +33,8 @@ class Correction:
     exact : bool
         Whether b_0 is exact in float32, as it is for 8- and 16-bit pictures.  b then follows total by subtraction; else
         b is assembled anew, because a rounded b_0 has a solution of its own.
+    direct : DirectSolution or None
+        The correction in parts of the region that the hierarchy leaves out.
     """
 
     problem: PoissonProblem
@@ -41,6 +44,7 @@ class Correction:
     x: Float32
     b: Float32
     exact: bool = True
+    direct: DirectSolution | None = None
     _pieces: list[NDArray[np.int64]] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -48,9 +52,11 @@ class Correction:
         self._pieces = self.team.pieces(h.finest_segments, 0, h.unknowns[0] * channels)
 
     @classmethod
-    def of(cls, problem: PoissonProblem, arena: Arena, team: Team) -> "Correction":
-        """u = 0, with the right-hand side of the problem; it lives in the arena."""
-        region = problem.region
+    def of(
+        cls, problem: PoissonProblem, arena: Arena, team: Team, direct: DirectSolution | None = None
+    ) -> "Correction":
+        """u = 0 but where it is known already, with the right-hand side of the problem; it lives in the arena."""
+        region = problem.region if direct is None else direct.rest()
         if problem.floating:
             # The equations fix all but a constant.  One pixel is held, the constant is set at the end.
             region = region.copy()
@@ -65,6 +71,7 @@ class Correction:
             total=arena.zeros(field_size(table, channels, levels=1)),
             x=arena.zeros(field_size(table, channels)),
             b=arena.zeros(field_size(table, channels)),
+            direct=direct,
         )
         correction.exact = correction.assemble()
         return correction
@@ -86,7 +93,7 @@ class Correction:
                 exact &= bool(kernels.assemble(self.b, line, total, band.values, *v, *at, *where))
             return exact
 
-        return all(self._share(rows))
+        return all(shared_rows(self.problem, self.team, rows))
 
     def next_stage(self) -> None:
         """total <- total + x, b <- b - A x, x <- 0."""
@@ -113,32 +120,25 @@ class Correction:
         bits = max(self.team.run(subtract, [(piece,) for piece in self._pieces]))
         return float(np.int64(bits).view(np.float64))
 
-    def solution(self, dtype: type[np.floating[Any]] | None = None) -> Values:
-        """What the problem's canvas makes of the correction; with `dtype`: first guess + correction, of that dtype.
+    def solution(self) -> Values:
+        """First guess + correction, as the problem's canvas paints it."""
+        return corrected(self.problem, self.adding(), self.team)
 
-        Of a problem that was given as arrays both are its values plus the correction, the same bits outside the region.
-        """
+    def adding(self) -> Correct:
+        """What adds the correction to rows of the first guess."""
         h = self.hierarchy
         drift = self._drift() if self.problem.floating else None
 
-        def correct(guess: Values, top: int) -> None:
+        def add(guess: Values, top: int) -> None:
             runs = _runs_of(h.finest_runs, top, top + len(guess))
             line64 = np.empty(guess.shape[1] * guess.shape[2])
             kernels.add_solution(guess, line64, self.total, self.x, top, runs, h.table)
+            if self.direct is not None:
+                self.direct.add_to(guess, top)
             if drift is not None:
                 guess -= drift.astype(guess.dtype)
 
-        if dtype is None:
-            return self.problem.canvas.paint(correct, self._share)
-        solution: Values = self.problem.values.astype(dtype)
-        guess = with_channels(solution)
-        self._share(lambda first, end: correct(guess[first:end], first))
-        return solution
-
-    def _share(self, operation: Callable[[int, int], T]) -> list[T]:
-        """The operation on rows first ... end - 1 of the image, for ranges that make it up; see `canvas.Share`."""
-        height, width, channels = self.problem.canvas.shape
-        return self.team.run(operation, self.team.rows(height, height * width * channels))
+        return add
 
     def _drift(self) -> NDArray[np.float64]:
         """The mean of the correction, per channel."""
@@ -146,6 +146,31 @@ class Correction:
         total, x = (u[: self.total.size].reshape(channels, -1) for u in (self.total, self.x))
         sums = total.sum(1, dtype=np.float64) + x.sum(1, dtype=np.float64)
         return np.asarray(sums / (height * width), np.float64)
+
+
+def corrected(
+    problem: PoissonProblem, correct: Correct, team: Team, dtype: type[np.floating[Any]] | None = None
+) -> Values:
+    """What the problem's canvas makes of a correction; with `dtype`: first guess + correction, of that dtype.
+
+    Of a problem that was given as arrays both are its values plus the correction, the same bits outside the region.
+    """
+
+    def share(operation: Callable[[int, int], T]) -> list[T]:
+        return shared_rows(problem, team, operation)
+
+    if dtype is None:
+        return problem.canvas.paint(correct, share)
+    solution: Values = problem.values.astype(dtype)
+    guess = with_channels(solution)
+    share(lambda first, end: correct(guess[first:end], first))
+    return solution
+
+
+def shared_rows(problem: PoissonProblem, team: Team, operation: Callable[[int, int], T]) -> list[T]:
+    """The operation on rows first ... end - 1 of the image, for ranges that make it up; see `canvas.Share`."""
+    height, width, channels = problem.canvas.shape
+    return team.run(operation, team.rows(height, height * width * channels))
 
 
 def _runs_of(runs: NDArray[np.int32], first: int, end: int) -> NDArray[np.int32]:

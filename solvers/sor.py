@@ -136,7 +136,7 @@ def solve_sor(
             progress=progress,
         )
         result = replace(result, advice=_advice(result.iterations, problem.unknowns * channels))
-        return certified(result, correction, threads) if certify else result
+        return certified(result, problem, correction.adding(), team) if certify else result
 
 
 def _calls(segments: NDArray[np.int64], channels: int, team: Team) -> list[list[Band]]:

@@ -52,6 +52,8 @@ def test_the_line():
     [
         ({"unknowns": 1}, "clone: 1 pixel at"),
         ({"method": "multigrid V, then F"}, ", multigrid V then F x 6, "),
+        ({"method": "directly and by multigrid F"}, ", directly and by multigrid F x 6, "),
+        ({"method": "directly", "iterations": 0}, ", directly, "),
         ({"solver": "sor", "cycle": None, "method": "sor omega=1.96", "iterations": 400}, ", sor x 400, "),
         ({"error_estimate": 0.0}, ", error < 0.000001 levels, "),
         ({"error_estimate": 2e-9}, ", error < 0.000001 levels, "),

@@ -49,10 +49,10 @@ def problem_on(shape: str, size: tuple[int, int], scale: float = 1.0) -> Poisson
 @pytest.mark.parametrize("shape", SHAPES)
 def test_any_number_of_threads_gives_the_same_bits(shape, cycle, size, between_bands, tiny_parts):
     problem = problem_on(shape, size)
-    alone = solve_multigrid(problem, cycle=cycle, threads=1)
+    alone = solve_multigrid(problem, cycle=cycle, threads=1, direct=False)
     tiny_parts(between_bands=between_bands)
     for threads in (2, 3, 5):
-        shared = solve_multigrid(problem, cycle=cycle, threads=threads)
+        shared = solve_multigrid(problem, cycle=cycle, threads=threads, direct=False)
         assert shared.solution.tobytes() == alone.solution.tobytes()
         assert shared.history == alone.history
 
@@ -73,10 +73,10 @@ def test_equations_that_float32_does_not_hold(shape, solve, tiny_parts):
 def test_a_single_thread_that_goes_step_by_step(shape, monkeypatch):
     """As it does where calls would be long."""
     problem = problem_on(shape, SIZES[0])
-    at_once = solve_multigrid(problem, threads=1)
+    at_once = solve_multigrid(problem, threads=1, direct=False)
     for module in (cycles, team):
         monkeypatch.setattr(module, "LONG_CALL", 100)
-    steps = solve_multigrid(problem, threads=1)
+    steps = solve_multigrid(problem, threads=1, direct=False)
     assert steps.solution.tobytes() == at_once.solution.tobytes()
     assert steps.history == at_once.history
 

@@ -127,6 +127,8 @@ class Window:
                 clipped, overshoot = 0, 0.0
                 for low, high, layers in self.bands(first, end):
                     picture[top + low : top + high] = self._picture[top + low : top + high]
+                    if not self.region[low:high].any():
+                        continue  # between parts that lie far apart
                     working, before, stored = self.guess(low, high, layers)
                     correct(working, low)
                     values = self.space.to_stored(working, before, stored)

@@ -30,12 +30,30 @@ ENTRY_POINTS = {
     "solve_coarsest": ["f4[:], f4[:], f8[:,:], i8[:], f8[:], i8[:,:], i8, i8 -> i4"],
     "fold": ["f4[:], f4[:], i8[:,:], i8[:,:], i8"],
     "clear": ["f4[:], i8[:,:], i8[:,:], i8"],
+    "link": ["i4[:,:], i8[:], i8, i8"],
+    "survey": ["b1[:,:], i8, i8 -> i8, i8"],
+    "find_parts": ["i4[:], i4[:], i4[:], i4[:], i4[:,:], i8, i8, i8 -> i8, i8"],
+    "sort_parts": ["i4[:], i4[:], i4[:], i4[:], i4[:]"],
+    "sum_pairs": [
+        f"f8[:,:], i8[:], i4[:,:], {v}[:,:,:], {v}[:,:,:], {v}[:,:,:], {v}[:,:,:], i8, i8, i8"
+        for v in ("f4", "f8")
+    ],
+    "add_at": [f"{v}[:,:,:], f8[:,:], i8[:], i8, i8, i8" for v in ("f4", "f8")],
+    "solve_parts": [
+        "f8[:,:], b1[:], i4[:], f8[:], i4[:], f8[:], i4[:], i4[:], f8[:,:], i4[:,:], i4[:], i4[:], i4[:], i8, i8, i8"
+        " -> i8"
+    ],
     "subtract_image": ["f4[:], f8[:], f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8, b1 -> i8"],
 }
 
 # Without the GIL: callers use threads.  Division by zero follows IEEE, as in numpy.  No fastmath: a NaN must be seen.
 library = Library(
-    modules=("solvers.kernels.setup", "solvers.kernels.cycle", "solvers.kernels.exact"),
+    modules=(
+        "solvers.kernels.setup",
+        "solvers.kernels.cycle",
+        "solvers.kernels.exact",
+        "solvers.kernels.narrow",
+    ),
     ingredients=("solvers.kernels.policy", "solvers.layout"),
     signatures=ENTRY_POINTS,
     options={"nogil": True, "error_model": "numpy", "boundscheck": False},
