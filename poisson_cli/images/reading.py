@@ -9,19 +9,15 @@ from __future__ import annotations
 import os
 import stat
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
 
-import imageio.v3 as iio
 import numpy as np
 
 from poisson_cli.errors import InputError
+from poisson_cli.images.codec import decoded, opened
 from poisson_cli.images.formats import Format, listed, recognise
-from poisson_cli.images.header import decoding, read_header
+from poisson_cli.images.header import decoding, judge, refuse_deep
 from poisson_cli.images.orientation import upright
 from poisson_cli.images.picture import Picture
-
-if TYPE_CHECKING:
-    from imageio.plugins.pillow import PillowPlugin
 
 __all__ = ["decode", "read"]
 
@@ -58,13 +54,11 @@ def decode(data: bytes, name: str) -> Picture:
         As `read`.
     """
     form = _recognised(data, name)
-    header = read_header(data, name, form)
-    with decoding(name, form), iio.imopen(data, "r", plugin="pillow") as opened:
-        file = cast("PillowPlugin", opened)
-        pixels = np.asarray(file.read(index=0, mode=header.mode), dtype=np.uint8)
-        # Asked for after decoding: by then the TIFF decoder has turned its picture and dropped the tag.
-        orientation = file.metadata(index=0, exclude_applied=False).get("Orientation", 1)
-        pixels = upright(pixels, orientation if isinstance(orientation, int) else 1)
+    with decoding(name, form):
+        refuse_deep(data, name, form)
+        with opened(data, form) as image:
+            header = judge(image, name, form)
+            pixels = upright(*decoded(data, image, form, header.mode))
     alpha = None
     if header.mode in ("LA", "RGBA"):
         pixels, alpha = np.ascontiguousarray(pixels[..., :-1]), np.ascontiguousarray(pixels[..., -1])
