@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import secrets
 import stat
 from pathlib import Path
 from typing import Any
@@ -92,7 +91,7 @@ def save(data: bytes, path: Path, *, overwrite: bool) -> None:
         If it cannot be written.
     """
     # The name is settled before the file exists, so that no signal can come between the file and its removal.
-    temporary = path.with_name(f".poisson-{secrets.token_hex(8)}.tmp")
+    temporary = path.with_name(f".poisson-{os.urandom(8).hex()}.tmp")
     try:
         with open(temporary, "xb") as file:
             if overwrite and path.exists():
