@@ -283,6 +283,9 @@ def _optimise(module: Any, visible: str) -> None:
         tuning = llvm.create_pipeline_tuning_options(speed_level=level)
         tuning.loop_vectorization = level > 0
         tuning.slp_vectorization = False
+        # Kernels work on short stretches, for which copies of a loop's body are of no use: without them the code is
+        # as fast, a third smaller, and compiled in half the time.
+        tuning.loop_interleaving = tuning.loop_unrolling = False
         builder = llvm.create_pass_builder(machine, tuning)
         passes = builder.getModulePassManager()
         if level == 0:
