@@ -5,7 +5,6 @@ Rows and columns are turned back into X,Y here, as `params` turned them the othe
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from typing import TYPE_CHECKING, Any, TextIO
@@ -39,6 +38,8 @@ def tell(summary: Summary, reporting: Reporting) -> None:
     if reporting.verbose:
         _print(details(summary), sys.stderr)
     if reporting.json:
+        import json
+
         _print(json.dumps(as_dict(summary)), sys.stdout)
 
 

@@ -100,7 +100,9 @@ def judge(image: Image.Image, name: str, form: Format) -> Header:
     mode = _DECODE_AS.get(image.mode)
     if mode is None:
         kind = _OTHER_MODES.get(image.mode, image.mode)
-        raise InputError(f"{name}: a {kind} {form.name}; convert it to RGB or grey, 8 bits per channel, first")
+        raise InputError(
+            f"{name}: a {kind} {form.name}; convert it to RGB or grey, 8 bits per channel, first"
+        )
     if "transparency" in image.info:
         mode = _WITH_TRANSPARENT_COLOUR.get(mode, mode)
     profile = image.info.get("icc_profile")

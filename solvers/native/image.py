@@ -103,7 +103,7 @@ def link(objects: Sequence[bytes], names: Sequence[str]) -> tuple[bytes, list[in
             image += bytes(-len(image) % _LINE)
             places[-1][number] = len(image)
             image += section.content
-    found = {}
+    found: dict[str, int] = {}
     for place, (sections, symbols) in zip(places, parsed, strict=True):
         found |= {s.name: place[s.section] + s.value for s in symbols if s.is_global and s.section in place}
         for at, kind, symbol, addend in _relocations(sections, symbols, place):
@@ -122,20 +122,25 @@ def link(objects: Sequence[bytes], names: Sequence[str]) -> tuple[bytes, list[in
 
 
 def _parsed(data: bytes) -> tuple[list[_Section], list[_Symbol]]:
-    magic, bits, order, kind, machine, at, size, n, _ = _HEADER.unpack_from(data)
-    if (magic, bits, order, kind, machine, size) != (b"\x7fELF", 2, 1, 1, _X86_64, _SECTION.size):
-        raise ImageError("not a relocatable ELF object for x86-64")
-    sections = []
-    for k in range(n):
-        _, kind, flags, _, offset, length, link, info, align, _ = _SECTION.unpack_from(data, at + k * size)
-        sections.append(_Section(kind, flags, link, info, align, data[offset : offset + length]))
-    symbols = []
-    for section in sections:
-        if section.kind == _SYMBOLS:
-            texts = sections[section.link].content
-            for name, binding, _, number, value, _ in _SYMBOL.iter_unpack(section.content):
-                text = texts[name : texts.index(b"\0", name)].decode()
-                symbols.append(_Symbol(text, binding >> 4 == _GLOBAL, number, value))
+    try:
+        magic, bits, order, kind, machine, at, size, n, _ = _HEADER.unpack_from(data)
+        if (magic, bits, order, kind, machine, size) != (b"\x7fELF", 2, 1, 1, _X86_64, _SECTION.size):
+            raise ImageError("not a relocatable ELF object for x86-64")
+        sections = []
+        for k in range(n):
+            _, kind, flags, _, offset, length, link, info, align, _ = _SECTION.unpack_from(
+                data, at + k * size
+            )
+            sections.append(_Section(kind, flags, link, info, align, data[offset : offset + length]))
+        symbols = []
+        for section in sections:
+            if section.kind == _SYMBOLS:
+                texts = sections[section.link].content
+                for name, binding, _, number, value, _ in _SYMBOL.iter_unpack(section.content):
+                    text = texts[name : texts.index(b"\0", name)].decode()
+                    symbols.append(_Symbol(text, binding >> 4 == _GLOBAL, number, value))
+    except (struct.error, IndexError, ValueError) as error:
+        raise ImageError("a damaged object") from error
     return sections, symbols
 
 

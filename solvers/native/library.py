@@ -127,7 +127,7 @@ class Library:
             return self._addresses
 
     def _load(self) -> dict[str, int]:
-        from solvers.native import loading, store
+        from solvers.native import loading
 
         loading.check_process()
         symbols = self.symbols()
