@@ -155,11 +155,16 @@ def _build_one(library: Library, kernel: Kernel, k: int) -> bytes:
         callback = numba.cfunc(_c_signature(signature), **options)(_entry(function, signature))
         whole = _parsed(callback, symbol)
         if any(f.name == _RESHAPE and f.is_declaration for f in whole.functions):
-            word = types.intp
-            kind = types.int32(word, word, word, word, word, word, word, types.int32)
-            whole.link_in(_parsed(numba.cfunc(kind)(_reshape), _RESHAPE))
+            whole.link_in(_parsed(_reshaping(), _RESHAPE))
         _optimise(whole, symbol)
         return _emit(whole, symbol)
+
+
+@cache
+def _reshaping() -> Any:
+    """`_reshape` as a callback."""
+    word = types.intp
+    return numba.cfunc(types.int32(word, word, word, word, word, word, word, types.int32))(_reshape)
 
 
 @cache
