@@ -327,12 +327,10 @@ def test_an_image_is_loaded_without_llvm(warm):
 
 def emitted(source: str) -> bytes:
     """An object from LLVM's language."""
-    import llvmlite.binding as llvm
-
     from solvers.native import linker
 
     machine = linker.target_machine()
-    return bytes(machine.emit_object(llvm.parse_assembly(source)))
+    return bytes(machine.emit_object(linker.llvm.parse_assembly(source)))
 
 
 CALLS = """
