@@ -118,8 +118,11 @@ def main() -> None:
         cli.main(prog_name="poisson")
     # No thread pool that nobody asked for: it costs more to set up than a clone takes.  Read when numpy is loaded.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    import gc
     import signal
 
+    # The collector would go through what the imports make, which is there to stay, again and again: 15 ms.
+    gc.set_threshold(100_000)
     signal.signal(signal.SIGTERM, _raise_terminated)
     try:
         code = run(sys.argv[1:])

@@ -5,7 +5,6 @@ Rows and columns are turned back into X,Y here, as `params` turned them the othe
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from typing import TYPE_CHECKING, Any, Final, TextIO
@@ -56,6 +55,8 @@ def tell(summary: Summary, reporting: Reporting) -> None:
         for hint in hints(summary):
             _print(f"poisson: hint: {hint}", sys.stderr)
     if reporting.json:
+        import json
+
         _print(json.dumps(as_dict(summary)), sys.stdout)
 
 

@@ -1,5 +1,6 @@
 """Compiled kernels on disk: declared, compiled, stored and loaded, and what happens where one of these fails."""
 
+import ctypes
 import os
 import subprocess
 import sys
@@ -8,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from solvers.kernels import policy
-from solvers.native import store
+from solvers.native import image, store
 from solvers.native.signature import Kind, Signature
 from tests import tiny_kernels
 
@@ -40,12 +41,16 @@ print(out_strided.tobytes() == out.tobytes(), "numba" in sys.modules, len(heard)
 """
 
 
-def probe(place: Path, *words: str, kernels: str = "native") -> tuple[str, list[str]]:
+def probe(place: Path, *words: str, kernels: str = "native", before: str = "") -> tuple[str, list[str]]:
     """Runs the tiny kernels in a process of their own: their results, and how they were had."""
     environment = {**os.environ, "POISSON_CACHE_DIR": str(place), "POISSON_KERNELS": kernels}
     environment.pop("NUMBA_DISABLE_JIT", None)
     ran = subprocess.run(
-        [sys.executable, "-c", PROBE, *words], capture_output=True, text=True, env=environment, cwd=ROOT
+        [sys.executable, "-c", before + PROBE, *words],
+        capture_output=True,
+        text=True,
+        env=environment,
+        cwd=ROOT,
     )
     assert ran.returncode == 0, ran.stderr
     results, how = ran.stdout.splitlines()
@@ -124,6 +129,47 @@ def test_a_whole_file_of_something_else_is_compiled_anew(warm, tmp_path):
     again, how = probe(other)
     assert again == results
     assert how[1:] == ["True", "2", "None"]
+
+
+SIDE_BY_SIDE = """
+import sys
+from solvers.native import building
+from tests import tiny_kernels
+tiny_kernels.library.helpers = True
+building.available_cores = lambda: 3
+"""
+
+
+@pytest.mark.parametrize(
+    "helper", ["", "sys.executable = '/bin/false'\n"], ids=["helpers", "helpers that fail"]
+)
+def test_compiling_side_by_side_gives_the_same(warm, helper, tmp_path):
+    _, results = warm
+    place = tmp_path / "poisson"
+    again, how = probe(place, before=SIDE_BY_SIDE + helper)
+    assert again == results
+    assert how[1:] == ["True", "2", "None"]
+    again, how = probe(place)
+    assert again == results
+    assert how[1:] == ["False", "0", "None"]
+
+
+@pytest.mark.parametrize("missing", ["possible = lambda: False", "link = refuse"])
+def test_without_an_image_llvm_links_the_objects(warm, missing, tmp_path):
+    """Where objects are of another kind, and where they hold what an image cannot."""
+    _, results = warm
+    before = (
+        "import sys\nfrom solvers.native import image\n"
+        "def refuse(*_):\n    raise image.ImageError('no')\n"
+        f"image.{missing}\n"
+    )
+    place = tmp_path / "poisson"
+    assert probe(place, before=before)[0] == results
+    again, how = probe(place, before=before)
+    assert again == results
+    assert how[1:] == ["False", "0", "None"]
+    [content] = stored(place)
+    assert b"\x7fELF" in content.read_bytes() or not image.possible()
 
 
 def test_many_processes_at_once_on_an_empty_cache(warm, tmp_path):
@@ -239,7 +285,7 @@ def test_the_key_knows_sources_compilers_machine_and_settings(monkeypatch, tmp_p
     assert key == store.key_of(library, "machine")
     keys = {key, store.key_of(library, "another machine")}
     with monkeypatch.context() as patched:
-        patched.setattr(store, "numba_version", lambda: b"another")
+        patched.setattr(store, "version_of", lambda _: b"another")
         keys.add(store.key_of(library, "machine"))
     with monkeypatch.context() as patched:
         patched.setenv("NUMBA_CPU_NAME", "generic")
@@ -258,7 +304,96 @@ def test_the_key_knows_sources_compilers_machine_and_settings(monkeypatch, tmp_p
 def test_numbas_version_is_told_without_importing_it():
     import numba
 
-    assert numba.__version__.encode() in store.numba_version()
+    assert numba.__version__.encode() in store.version_of("numba")
+
+
+on_known_systems = pytest.mark.skipif(not image.possible(), reason="objects of another kind")
+
+
+@on_known_systems
+def test_an_image_is_loaded_without_llvm(warm):
+    place, results = warm
+    forbid = (
+        "import sys\nclass Forbid:\n"
+        "    def find_spec(self, name, *_):\n        assert name != 'llvmlite.binding'\n"
+        "sys.meta_path.insert(0, Forbid())\n"
+    )
+    again, how = probe(place, before=forbid)
+    assert again == results
+    assert how[1:] == ["False", "0", "None"]
+    [content] = stored(place)
+    assert b"\x7fELF" not in content.read_bytes()
+
+
+def emitted(source: str) -> bytes:
+    """An object from LLVM's language."""
+    from solvers.native import linker
+
+    machine = linker.target_machine()
+    return bytes(machine.emit_object(linker.llvm.parse_assembly(source)))
+
+
+CALLS = """
+declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)
+define i64 @second(i64 %x) {
+  %y = mul i64 %x, 3
+  ret i64 %y
+}
+define i64 @first(ptr %p, i64 %n) noinline {
+  call void @llvm.memset.p0.i64(ptr %p, i8 7, i64 %n, i1 false)
+  %y = call i64 @second(i64 %n)
+  ret i64 %y
+}
+"""
+
+
+@on_known_systems
+def test_an_image_holds_what_its_objects_do():
+    """Calls within, constants, and calls of the C library, from an object that is not the first."""
+    half = emitted("define double @half(double %x) {\n %y = fmul double %x, 0.3\n ret double %y\n}\n")
+    code, offsets = image.link([half, emitted(CALLS)], ["first", "half"])
+    first, half_of = image.load(code, offsets)
+    buffer = (ctypes.c_uint8 * 100)()
+    call = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_int64)(first)
+    assert call(ctypes.addressof(buffer), 90) == 270
+    assert bytes(buffer) == b"\7" * 90 + bytes(10)
+    assert ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double)(half_of)(1.5) == 1.5 * 0.3
+
+
+@on_known_systems
+def test_what_cannot_be_an_image_is_refused():
+    def refusal(source: bytes | str, name: str = "f") -> str:
+        with pytest.raises(image.ImageError) as caught:
+            image.link([source if isinstance(source, bytes) else emitted(source)], [name])
+        return str(caught.value)
+
+    assert "variables" in refusal("@v = global i64 1\ndefine ptr @f() {\n ret ptr @v\n}\n")
+    assert "need puts" in refusal(
+        "declare i32 @puts(ptr)\ndefine i32 @f(ptr %p) {\n %x = call i32 @puts(ptr %p)\n ret i32 %x\n}\n"
+    )
+    assert "relocations of kind" in refusal("declare i32 @puts(ptr)\ndefine ptr @f() {\n ret ptr @puts\n}\n")
+    assert "not in the objects: g" in refusal("define void @f() {\n ret void\n}\n", "g")
+    whole = emitted(CALLS)
+    for damaged in (b"", b"something else", whole[:30], whole[: len(whole) // 2], b"MZ" + whole[2:]):
+        assert refusal(damaged)
+    with pytest.raises(image.ImageError, match="not an image"):
+        image.load(b"short", [100])
+
+
+@on_known_systems
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="cores cannot be chosen")
+def test_the_processor_says_the_same_on_every_core():
+    from solvers.native.processor import processor
+
+    cores = os.sched_getaffinity(0)
+    try:
+        said = set()
+        for core in cores:
+            os.sched_setaffinity(0, {core})
+            said.add(processor())
+    finally:
+        os.sched_setaffinity(0, cores)
+    assert len(said) == 1
 
 
 def test_lists_of_bytes():

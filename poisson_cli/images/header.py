@@ -13,12 +13,12 @@ from dataclasses import dataclass
 from io import BytesIO
 from typing import Final
 
-from PIL import Image, TiffImagePlugin
+from PIL import Image
 
 from poisson_cli.errors import InputError
 from poisson_cli.images.formats import PNG, TIFF, Format
 
-__all__ = ["LARGEST", "Header", "decoding", "read_header"]
+__all__ = ["LARGEST", "Header", "decoding", "judge", "refuse_deep"]
 
 LARGEST: Final = 500_000_000
 """Pixels; a header that claims more is taken for damaged before memory is asked for."""
@@ -77,13 +77,13 @@ def decoding(name: str, form: Format) -> Iterator[None]:
         Image.MAX_IMAGE_PIXELS = usual
 
 
-def read_header(data: bytes, name: str, form: Format) -> Header:
-    """Judge a picture file by its header.
+def judge(image: Image.Image, name: str, form: Format) -> Header:
+    """Judge a picture by its header.
 
     Parameters
     ----------
-    data
-        The whole file.
+    image
+        The picture, not decoded yet.
     name
         What the user calls it.
     form
@@ -91,25 +91,22 @@ def read_header(data: bytes, name: str, form: Format) -> Header:
 
     Raises
     ------
-    InputError
-        If it is damaged, too large, holds more than one picture, or holds pixels that would lose something here.
+    InputError, Image.DecompressionBombError
+        If it is too large, one of several, or holds pixels that would lose something here.
     """
-    with decoding(name, form):
-        refusal = _refusal_by_bits(data, form)
-        if refusal is not None:
-            raise InputError(f"{name}: {refusal}")
-        with Image.open(BytesIO(data), formats=[form.codec]) as image:
-            _refuse_other_than_one(image, name)
-            mode = _DECODE_AS.get(image.mode)
-            if mode is None:
-                kind = _OTHER_MODES.get(image.mode, image.mode)
-                raise InputError(
-                    f"{name}: a {kind} {form.name}; convert it to RGB or grey, 8 bits per channel, first"
-                )
-            if "transparency" in image.info:
-                mode = _WITH_TRANSPARENT_COLOUR.get(mode, mode)
-            profile = image.info.get("icc_profile")
-            return Header(mode=mode, palette=image.mode in ("P", "PA"), profile=profile or None)
+    if image.width * image.height > LARGEST:
+        raise Image.DecompressionBombError
+    _refuse_other_than_one(image, name)
+    mode = _DECODE_AS.get(image.mode)
+    if mode is None:
+        kind = _OTHER_MODES.get(image.mode, image.mode)
+        raise InputError(
+            f"{name}: a {kind} {form.name}; convert it to RGB or grey, 8 bits per channel, first"
+        )
+    if "transparency" in image.info:
+        mode = _WITH_TRANSPARENT_COLOUR.get(mode, mode)
+    profile = image.info.get("icc_profile")
+    return Header(mode=mode, palette=image.mode in ("P", "PA"), profile=profile or None)
 
 
 def _refuse_other_than_one(image: Image.Image, name: str) -> None:
@@ -126,11 +123,32 @@ def _refuse_other_than_one(image: Image.Image, name: str) -> None:
         )
 
 
-def _refusal_by_bits(data: bytes, form: Format) -> str | None:
-    """Why the layout of the samples cannot be read without loss; None if it can.
+def refuse_deep(data: bytes, name: str, form: Format) -> None:
+    """Refuse a layout of samples that cannot be read without loss, before a decoder sees it.
 
     Only for the formats that can hold more than eight bits in ways that the decoder cuts down without a word.
+
+    Parameters
+    ----------
+    data
+        The whole file.
+    name
+        What the user calls it.
+    form
+        Its format.
+
+    Raises
+    ------
+    InputError
+        If it has such a layout; anything else if it is damaged.
     """
+    refusal = _refusal_by_bits(data, form)
+    if refusal is not None:
+        raise InputError(f"{name}: {refusal}")
+
+
+def _refusal_by_bits(data: bytes, form: Format) -> str | None:
+    """Why the layout of the samples cannot be read without loss; None if it can."""
     if form is PNG:
         depth = data[24]  # signature 8, length and name of IHDR 8, width 4, height 4
         return f"a {depth}-bit PNG; {_EIGHT_BITS}" if depth > 8 else None
@@ -141,6 +159,8 @@ def _refusal_by_bits(data: bytes, form: Format) -> str | None:
 
 def _refusal_by_tags(data: bytes) -> str | None:
     """The same for TIFF, by the tags of its first page."""
+    from PIL import TiffImagePlugin
+
     big = data[2:4] == b"+\x00"
     tags = TiffImagePlugin.ImageFileDirectory_v2(data[: 16 if big else 8])
     file = BytesIO(data)

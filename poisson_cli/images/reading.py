@@ -8,21 +8,18 @@ from __future__ import annotations
 
 import os
 import stat
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
 
-import imageio.v3 as iio
 import numpy as np
 from numpy.typing import NDArray
 
 from poisson_cli.errors import InputError
+from poisson_cli.images.codec import decoded, opened
 from poisson_cli.images.formats import Format, listed, recognise
-from poisson_cli.images.header import decoding, read_header
+from poisson_cli.images.header import Header, decoding, judge, refuse_deep
 from poisson_cli.images.orientation import upright
 from poisson_cli.images.picture import Picture
-
-if TYPE_CHECKING:
-    from imageio.plugins.pillow import PillowPlugin
 
 __all__ = ["decode", "decode_indices", "read", "read_bytes"]
 
@@ -58,9 +55,7 @@ def decode(data: bytes, name: str) -> Picture:
     InputError
         As `read`.
     """
-    form = _recognised(data, name)
-    header = read_header(data, name, form)
-    pixels = _upright_pixels(data, name, form, header.mode)
+    header, pixels = _decoded(data, name, lambda header: header.mode)
     alpha = None
     if header.mode in ("LA", "RGBA"):
         pixels, alpha = np.ascontiguousarray(pixels[..., :-1]), np.ascontiguousarray(pixels[..., -1])
@@ -89,21 +84,23 @@ def decode_indices(data: bytes, name: str) -> NDArray[np.uint8]:
     InputError
         As `read`, and if the picture has neither a palette nor a single channel.
     """
+
+    def mode(header: Header) -> str:
+        if not header.palette and header.mode != "L":
+            raise InputError(f"{name}: a picture without a palette; its pixels have no index")
+        return "P" if header.palette else "L"
+
+    return _decoded(data, name, mode)[1]
+
+
+def _decoded(data: bytes, name: str, mode: Callable[[Header], str]) -> tuple[Header, NDArray[np.uint8]]:
+    """A picture's header, and its pixels as they should be looked at, in the layout that `mode` chooses."""
     form = _recognised(data, name)
-    header = read_header(data, name, form)
-    if not header.palette and header.mode != "L":
-        raise InputError(f"{name}: a picture without a palette; its pixels have no index")
-    return _upright_pixels(data, name, form, "P" if header.palette else "L")
-
-
-def _upright_pixels(data: bytes, name: str, form: Format, mode: str) -> NDArray[np.uint8]:
-    """The pixels as a decoder's mode has them, as they should be looked at."""
-    with decoding(name, form), iio.imopen(data, "r", plugin="pillow") as opened:
-        file = cast("PillowPlugin", opened)
-        pixels = np.asarray(file.read(index=0, mode=mode), dtype=np.uint8)
-        # Asked for after decoding: by then the TIFF decoder has turned its picture and dropped the tag.
-        orientation = file.metadata(index=0, exclude_applied=False).get("Orientation", 1)
-        return upright(pixels, orientation if isinstance(orientation, int) else 1)
+    with decoding(name, form):
+        refuse_deep(data, name, form)
+        with opened(data, form) as image:
+            header = judge(image, name, form)
+            return header, upright(*decoded(data, image, form, mode(header)))
 
 
 def _recognised(data: bytes, name: str) -> Format:

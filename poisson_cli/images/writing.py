@@ -8,15 +8,14 @@ from __future__ import annotations
 
 import contextlib
 import os
-import secrets
 import stat
 from pathlib import Path
 from typing import Any
 
-import imageio.v3 as iio
 import numpy as np
 
 from poisson_cli.errors import OutputError
+from poisson_cli.images.codec import encoded
 from poisson_cli.images.formats import Format
 from poisson_cli.images.picture import Picture
 from poisson_cli.images.target import Target
@@ -69,10 +68,7 @@ def encode(picture: Picture, form: Format) -> bytes:
     settings: dict[str, Any] = dict(form.encoding)
     if picture.profile is not None and form.can_hold_profile(picture.profile):
         settings["icc_profile"] = picture.profile
-    data: bytes = iio.imwrite(
-        "<bytes>", pixels, plugin="pillow", extension=form.extensions[0], is_batch=False, **settings
-    )
-    return data
+    return encoded(pixels, form, settings)
 
 
 def save(data: bytes, path: Path, *, overwrite: bool) -> None:
@@ -95,7 +91,7 @@ def save(data: bytes, path: Path, *, overwrite: bool) -> None:
         If it cannot be written.
     """
     # The name is settled before the file exists, so that no signal can come between the file and its removal.
-    temporary = path.with_name(f".poisson-{secrets.token_hex(8)}.tmp")
+    temporary = path.with_name(f".poisson-{os.urandom(8).hex()}.tmp")
     try:
         with open(temporary, "xb") as file:
             if overwrite and path.exists():

@@ -127,7 +127,7 @@ class Library:
             return self._addresses
 
     def _load(self) -> dict[str, int]:
-        from solvers.native import loading, store
+        from solvers.native import loading
 
         loading.check_process()
         symbols = self.symbols()
@@ -135,23 +135,23 @@ class Library:
         found = shelf.read()
         if found is not None:
             try:
-                return loading.load(store.unpacked_list(found), symbols)
-            except (loading.LoadError, ValueError):
+                return loading.load(found, symbols)
+            except loading.LoadError:
                 pass  # whole, but not what was expected: compile it anew
         with shelf.locked():
             # Another process may have been faster.
             again = shelf.read()
             if again is not None and again != found:
-                return loading.load(store.unpacked_list(again), symbols)
+                return loading.load(again, symbols)
             start = perf_counter()
             self._tell(None)
             from solvers.native import building
 
-            objects = building.build(self)
-            if not shelf.write(store.packed_list(objects)):
+            content = loading.content_of(building.build(self), symbols)
+            if not shelf.write(content):
                 self.unkept = shelf.trouble
             self._tell(perf_counter() - start)
-        return loading.load(objects, symbols)
+        return loading.load(content, symbols)
 
     def shelf(self) -> "Shelf":
         """Where the compiled library is kept, or will be."""
