@@ -75,6 +75,8 @@ def tell_mask(summary: MaskSummary, reporting: Reporting) -> None:
             _print(f"poisson: note: {notice}", sys.stderr)
         _print(mask_line(summary), sys.stderr)
     if reporting.json:
+        import json
+
         _print(json.dumps(mask_as_dict(summary)), sys.stdout)
 
 
