@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import secrets
-import shutil
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
@@ -79,7 +77,7 @@ def _undoing(target: Target) -> Iterator[Callable[[], None]]:
     callable
         Puts the old file back, or removes the new one if there was none.
     """
-    kept = target.real.with_name(f".poisson-{secrets.token_hex(8)}.old")
+    kept = target.real.with_name(f".poisson-{os.urandom(8).hex()}.old")
 
     def undo() -> None:
         if kept.exists():
@@ -103,4 +101,6 @@ def _duplicate(path: Path, other: Path) -> None:
     try:
         os.link(path, other)
     except OSError:  # a file system without hard links
+        import shutil
+
         shutil.copy2(path, other)
