@@ -49,6 +49,23 @@ class Equations:
     rhs: Values | None = None
 
 
+@dataclass(frozen=True)
+class Rim:
+    """All that the equations of an image hold, where the first guess and v are zero.
+
+    Attributes
+    ----------
+    row, col : (n,) int64
+        The known pixels with a neighbour in the region.
+    values : (n, C) float32
+        What they hold.
+    """
+
+    row: NDArray[np.int64]
+    col: NDArray[np.int64]
+    values: NDArray[np.float32]
+
+
 # Adds the correction in place to rows (n, W, C) of the first guess, the first of which is the given row of the image.
 Correct = Callable[[Values, int], None]
 
@@ -87,6 +104,9 @@ class Canvas(Protocol):
 
         `first` is even, and so is `end` unless it is the height.  A band is done with when the next one is asked for.
         """
+
+    def rim(self) -> Rim | None:
+        """Instead of the equations, if these are small integers and all zero but for known values; else None."""
 
     def paint(self, correct: Correct, share: Share) -> NDArray[Any]:
         """The first guess, corrected: what the solver returns as its solution."""
@@ -130,6 +150,9 @@ class Arrays:
         """One band; its arrays are the whole image's."""
         v = (None if array is None else with_channels(array) for array in (self.across, self.down, self.rhs))
         yield Equations(first, end, 0, with_channels(self.values), *v)
+
+    def rim(self) -> None:
+        """Nobody has looked."""
 
     def paint(self, correct: Correct, share: Share) -> Values:
         """The values plus the correction, of the values' shape and dtype."""

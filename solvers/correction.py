@@ -73,7 +73,11 @@ class Correction:
             b=arena.zeros(field_size(table, channels)),
             direct=direct,
         )
-        correction.exact = correction.assemble()
+        rim = problem.canvas.rim()
+        if rim is None:
+            correction.exact = correction.assemble()
+        else:
+            kernels.assemble_rim(correction.b, rim.values, rim.row, rim.col, hierarchy.weight, table)
         return correction
 
     def assemble(self, *, corrected: bool = False) -> bool:

@@ -86,6 +86,7 @@ class Unpainted:
         self.shape = window.shape
         self.small_integers = window.small_integers
         self.equations = window.equations
+        self.rim = window.rim
 
     def paint(self, correct: Correct, share: Share) -> Values:
         """The solution before it becomes stored values."""

@@ -5,6 +5,7 @@ the pictures themselves nothing here is as large as a picture.
 """
 
 from collections.abc import Iterator
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,10 @@ from poisson_cli.editing.layers import Band, Layer, Points
 from poisson_cli.editing.placement import Placement
 from poisson_cli.editing.spaces import AsStored, Space
 from poisson_cli.editing.stopwatch import Stopwatch
-from solvers.canvas import Correct, Equations, Share, Values, bands, with_channels
+from solvers.canvas import Correct, Equations, Rim, Share, Values, bands, with_channels
+
+# Boundary pixels that are looked at for the share of outliers; of more, every so manieth.
+SAMPLE = 1 << 14
 
 # The destination and the source.
 Layers = tuple[Layer, Layer | None]
@@ -167,6 +171,13 @@ class Window:
         full = tone.FULL_SCALE[self._picture.dtype.type]
         return min(0.0, float(known.min(initial=0))), max(full, float(known.max(initial=full)))
 
+    def rim(self) -> Rim | None:
+        """The boundary's f* - a, where that is all there is to know."""
+        if self.field.beyond is not None or not self.small_integers:
+            return None
+        rows, cols = self._placement.boundary
+        return Rim(rows, cols, np.ascontiguousarray(self._differences, np.float32))
+
     def boundary_mismatch(self) -> tuple[float, ...] | None:
         """Per channel, the mean of |f* - g| over the boundary, in levels; None where no boundary pixel has a source."""
         if self._source is None:
@@ -174,39 +185,40 @@ class Window:
         there = self._placement.boundary_on_source()
         if there[0].size == 0:
             return None
-        mismatch = np.abs(self._destination.stored_at(*there) - self._source.stored_at(*there))
+        if self.small_integers and self.field.picture == "source" and there is self._placement.boundary:
+            mismatch = np.abs(self._differences)
+        else:
+            mismatch = np.abs(self._destination.stored_at(*there) - self._source.stored_at(*there))
         return tuple(float(m) for m in mismatch.mean(0, dtype=np.float64) / tone.level(self._picture.dtype))
 
     def outliers(self) -> float | None:
-        """The share of the boundary's pixels that are outliers, before anything is done about them."""
-        rows, cols = self._placement.boundary
-        if self._source is None or rows.size == 0:
+        """The share of outliers among the boundary's pixels, or some of them, before anything is done about them."""
+        if self._source is None or len(self._differences) == 0:
             return None
-        far = boundary.outlyingness(self._differences(rows, cols), self.space.level)
-        return float(np.mean(far > 1))
+        some = self._differences[:: 1 + len(self._differences) // SAMPLE]
+        return float(np.mean(boundary.outlyingness(some, self.space.level) > 1))
 
     def _winsorised_rim(self) -> tuple[NDArray[np.intp], NDArray[np.intp], Values] | None:
         """Rows, columns and known values of the boundary's pixels, by rows; None if there are none."""
         rows, cols = self._placement.boundary
         if rows.size == 0:
             return None
-        return rows, cols, boundary.winsorised(self._differences(rows, cols), self.space.level)
+        return rows, cols, boundary.winsorised(self._differences, self.space.level)
 
-    def _differences(self, rows: NDArray[np.intp], cols: NDArray[np.intp]) -> Values:
-        """f* - a at pixels of the window."""
-        points = Points(self._destination, self._source, rows, cols)
+    @cached_property
+    def _differences(self) -> Values:
+        """f* - a at the boundary's pixels."""
+        points = Points(self._destination, self._source, *self._placement.boundary)
         return points.destination - self.field.base(points)
 
     def _left_range(self, values: Values, first: int, end: int) -> tuple[int, float]:
         """How many values of Omega in these rows are clipped, and how far the furthest leaves the range, in levels."""
         dtype = self._picture.dtype
-        if tone.excess(values, dtype) > 0:
-            inside = values[self.region[first:end]]
-            if inside.size:
-                return tone.count_clipped(inside, dtype), max(
-                    0.0, tone.excess(inside, dtype) / tone.level(dtype)
-                )
-        return 0, 0.0
+        if tone.excess(values, dtype) == 0:
+            return 0, 0.0
+        # Beside Omega a is a picture of small integers, and in range, or else anything.
+        inside = values if self.small_integers else values[self.region[first:end]]
+        return tone.count_clipped(inside, dtype), tone.excess(inside, dtype) / tone.level(dtype)
 
     def _mean_shift(self) -> NDArray[Any]:
         """The mean of f* less that of a, per channel."""

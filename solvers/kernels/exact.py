@@ -140,6 +140,25 @@ def assemble(b, line, total, values, across, down, rhs, top, first, end, weight,
     return inexact == 0
 
 
+@jit
+def assemble_rim(b, values, rows, cols, weight, table):
+    """The same where the first guess and v are zero: b += the known values beside each unknown; b holds zeros.
+
+    values: (n, channels) of the known pixels in `rows` and `cols`.  They are integers: the order of a sum is nothing.
+    """
+    height, width, stride, size = table[0, HEIGHT], table[0, WIDTH], table[0, STRIDE], table[0, QUARTER]
+    for k in range(rows.shape[0]):
+        for side in range(4):
+            row = rows[k] + (side - 1 if side & 1 == 0 else 0)
+            col = cols[k] + (side - 2 if side & 1 == 1 else 0)
+            if row < 0 or row >= height or col < 0 or col >= width:
+                continue
+            at = (2 * (row & 1) + (col & 1)) * size + (row // 2 + 1) * stride + col // 2
+            if weight[at] > 0:
+                for channel in range(values.shape[1]):
+                    b[4 * channel * size + at] += values[k, channel]
+
+
 # --- the solution ------------------------------------------------------------------------------------------------
 
 

@@ -23,6 +23,7 @@ ENTRY_POINTS = {
     "find_runs": ["i4[:,:], b1[:,:], i8 -> i8"],
     "weigh_region": ["f4[:], f4[:], b1[:,:], i4[:,:], i8[:,:]"],
     "relax_over": ["f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8, i8, f4, i8, i8"],
+    "assemble_rim": ["f4[:], f4[:,:], i8[:], i8[:], f4[:], i8[:,:]"],
     "coarsen_runs": ["i4[:,:], i4[:,:], i8 -> i8"],
     "join_runs": ["i8[:,:], i4[:,:], i8, i8, i8, i8 -> i8"],
     "factor_band": ["f8[:,:]"],
