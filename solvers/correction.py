@@ -84,17 +84,16 @@ class Correction:
         """b <- the problem's residual at the first guess, or at that + total; whether float32 held it exactly."""
         canvas, h = self.problem.canvas, self.hierarchy
         _, width, channels = canvas.shape
-        dtype = np.float32 if canvas.small_integers else np.float64
         total = self.total if corrected else self.total[:0]
 
         def rows(first: int, end: int) -> bool:
-            line = np.empty(width * channels, dtype)
+            line64 = np.empty(width * channels)
             exact = True
             for band in canvas.equations(first, end):
                 v = [_or_nothing(array, band.values) for array in (band.across, band.down, band.rhs)]
                 at = band.top, band.first, band.end
                 where = h.weight, h.diagonal, _runs_of(h.finest_runs, band.first, band.end), h.table
-                exact &= bool(kernels.assemble(self.b, line, total, band.values, *v, *at, *where))
+                exact &= bool(kernels.assemble(self.b, line64, total, band.values, *v, *at, *where))
             return exact
 
         return all(shared_rows(self.problem, self.team, rows))

@@ -4,6 +4,7 @@ import ctypes
 import os
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -20,7 +21,7 @@ import sys
 import numpy as np
 from tests import tiny_kernels as tiny
 heard = []
-tiny.library.listener = heard.append
+tiny.library.listener = lambda volume, seconds: heard.append(seconds)
 values = np.linspace(-1, 7, 21, dtype=np.float32).reshape(3, 7)
 out = np.empty(3, np.float32)
 last = tiny.scale(out, values, 0.7)
@@ -76,6 +77,28 @@ def test_later_processes_load_without_numba(warm):
     again, how = probe(place)
     assert again == results
     assert how[1:] == ["False", "0", "None"]
+
+
+def test_what_few_need_is_compiled_when_it_is_called(tmp_path):
+    program = (
+        "import sys; import numpy as np; from tests import tiny_kernels as tiny\n"
+        "heard = []; tiny.library.listener = lambda volume, seconds: heard.append(volume)\n"
+        "values = np.arange(3, dtype=sys.argv[1]); tiny.halve(values); print(*values, *heard)\n"
+    )
+
+    def halved(dtype):
+        environment = {**os.environ, "POISSON_CACHE_DIR": str(tmp_path), "POISSON_KERNELS": "native"}
+        ran = subprocess.run(
+            [sys.executable, "-c", program, dtype], capture_output=True, text=True, env=environment, cwd=ROOT
+        )
+        assert ran.returncode == 0, ran.stderr
+        return ran.stdout.split()[3:]
+
+    assert halved("float32") == ["usual", "usual"]
+    assert len(stored(tmp_path)) == 1
+    assert halved("float64") == ["further", "further"]
+    assert len(stored(tmp_path)) == 2
+    assert halved("float64") == halved("float32") == []
 
 
 @pytest.mark.parametrize("kernels", ["numba", "python"])
@@ -281,15 +304,15 @@ def test_the_place(monkeypatch, tmp_path):
 
 def test_the_key_knows_sources_compilers_machine_and_settings(monkeypatch, tmp_path):
     library = tiny_kernels.library
-    key = store.key_of(library, "machine")
-    assert key == store.key_of(library, "machine")
-    keys = {key, store.key_of(library, "another machine")}
+    key = store.key_of(library, "usual", "machine")
+    assert key == store.key_of(library, "usual", "machine")
+    keys = {key, store.key_of(library, "usual", "another machine"), store.key_of(library, "further", "machine")}
     with monkeypatch.context() as patched:
         patched.setattr(store, "version_of", lambda _: b"another")
-        keys.add(store.key_of(library, "machine"))
+        keys.add(store.key_of(library, "usual", "machine"))
     with monkeypatch.context() as patched:
         patched.setenv("NUMBA_CPU_NAME", "generic")
-        keys.add(store.key_of(library, "machine"))
+        keys.add(store.key_of(library, "usual", "machine"))
     changed = tmp_path / "tiny_kernels.py"
     changed.write_bytes(Path(tiny_kernels.__file__).read_bytes() + b"\n")
     real = store._origin
@@ -297,8 +320,8 @@ def test_the_key_knows_sources_compilers_machine_and_settings(monkeypatch, tmp_p
         patched.setattr(
             store, "_origin", lambda name: str(changed) if name == "tests.tiny_kernels" else real(name)
         )
-        keys.add(store.key_of(library, "machine"))
-    assert len(keys) == 5
+        keys.add(store.key_of(library, "usual", "machine"))
+    assert len(keys) == 6
 
 
 def test_numbas_version_is_told_without_importing_it():
@@ -416,7 +439,8 @@ def test_signatures():
 def test_every_entry_point_of_the_solvers_is_declared_as_it_is():
     """A kernel whose parameters change is left to numba until its signature follows: that is slow, not wrong."""
     declared = {kernel.__name__: len(kernel.signatures) for kernel in policy.library.kernels()}
-    assert declared == {name: len(texts) for name, texts in policy.ENTRY_POINTS.items()}
+    volumes = policy.ENTRY_POINTS, policy.FURTHER
+    assert declared == Counter(name for volume in volumes for name, texts in volume.items() for _ in texts)
 
 
 SOLVE = """

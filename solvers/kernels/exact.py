@@ -14,25 +14,22 @@ ABS_BITS = np.int64(0x7FFFFFFFFFFFFFFF)  # all but the sign of a float64
 @jit
 def add_difference(sums, a, b):
     """sums += a - b; the arrays are at least as long as `sums`."""
-    as_sum = sums.dtype.type
     for i in range(sums.shape[0]):
-        sums[i] += as_sum(a[i]) - as_sum(b[i])
+        sums[i] += np.float64(a[i]) - np.float64(b[i])
 
 
 @jit
 def add_differences(sums, a, b, middle):
     """sums += (a - middle) + (b - middle)."""
-    as_sum = sums.dtype.type
     for i in range(sums.shape[0]):
-        sums[i] += (as_sum(a[i]) - as_sum(middle[i])) + (as_sum(b[i]) - as_sum(middle[i]))
+        sums[i] += (np.float64(a[i]) - np.float64(middle[i])) + (np.float64(b[i]) - np.float64(middle[i]))
 
 
 @jit
 def set_differences(sums, a, b, middle):
     """sums = (a - middle) + (b - middle)."""
-    as_sum = sums.dtype.type
     for i in range(sums.shape[0]):
-        sums[i] = (as_sum(a[i]) - as_sum(middle[i])) + (as_sum(b[i]) - as_sum(middle[i]))
+        sums[i] = (np.float64(a[i]) - np.float64(middle[i])) + (np.float64(b[i]) - np.float64(middle[i]))
 
 
 @jit
@@ -93,10 +90,9 @@ def residual_of_row(line, values, across, down, rhs, y, is_first, is_last, low, 
 def assemble(b, line, total, values, across, down, rhs, top, first, end, weight, diagonal, runs, table):
     """b = the problem's residual at f + total, for rows first ... end of the image (`first` is even).
 
-    line: scratch for width * channels sums, of the type that they are to be summed in.  total: as b, or empty for
-    zeros.  values: (n, width, channels) f, known outside the region, first guess inside; row `top` of the image comes
-    first.  across, down: v on pixel pairs (`Guidance`); rhs: like values; arrays without rows stand for zeros.  runs:
-    those of the rows.
+    line: scratch for width * channels sums, float64.  total: as b, or empty for zeros.  values: (n, width, channels) f,
+    known outside the region, first guess inside; row `top` of the image comes first.  across, down: v on pixel pairs
+    (`Guidance`); rhs: like values; arrays without rows stand for zeros.  runs: those of the rows.
 
     Returns whether float32 held every value of b exactly.
     """
@@ -134,7 +130,7 @@ def assemble(b, line, total, values, across, down, rhs, top, first, end, weight,
                             target[i] = sums[step * i] - image if w[i] > 0 else 0.0
                     else:
                         for i in range(places):
-                            sum_ = sums[step * i] if w[i] > 0 else line.dtype.type(0)
+                            sum_ = sums[step * i] if w[i] > 0 else 0.0
                             target[i] = sum_
                             inexact += np.float32(sum_) != sum_
     return inexact == 0

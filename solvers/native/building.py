@@ -22,7 +22,7 @@ import numpy as np
 
 from solvers.native import twin
 from solvers.native.image import FROM_THE_PROCESS
-from solvers.native.library import Kernel, Library
+from solvers.native.library import Kernel, Library, Volume
 from solvers.native.linker import target_machine
 from solvers.native.loading import ARRAY_DATA, ARRAY_SHAPE
 from solvers.native.signature import Kind, Signature
@@ -70,20 +70,20 @@ class BuildError(Exception):
     """The kernels cannot be made into an object that stands on its own."""
 
 
-def build(library: Library) -> list[bytes]:
-    """The object code of all entry points, for this machine: one object per signature.
+def build(library: Library, volume: Volume) -> list[bytes]:
+    """The object code of a volume's entry points, for this machine: one object per signature.
 
     Raises `BuildError`, or what numba raises.  Where the library may start helpers, they compile side by side: each
     process takes the next number from a pipe until none is left.
     """
-    jobs = _jobs(library)
+    jobs = _jobs(library, volume)
     queue, entrance = os.pipe()
     with open(entrance, "wb") as file:
         file.write(bytes(range(len(jobs))))
     n_helpers = min(available_cores() - 1, MOST_HELPERS) if library.helpers and sys.executable else 0
-    helpers = [_start_helper(library, queue) for _ in range(n_helpers)]
+    helpers = [_start_helper(library, volume, queue) for _ in range(n_helpers)]
     try:
-        objects = _work(library, queue)
+        objects = _work(library, volume, queue)
         for helper in helpers:
             objects |= _answer(helper.communicate()[0])
     finally:
@@ -96,20 +96,20 @@ def build(library: Library) -> list[bytes]:
     return [objects[k] for k in range(len(jobs))]
 
 
-def _jobs(library: Library) -> list[tuple[Kernel, int]]:
-    """Every signature of every kernel, in the order in which the kernels were declared: the dearest first."""
+def _jobs(library: Library, volume: Volume) -> list[tuple[Kernel, int]]:
+    """Every signature of a volume, in the order in which the kernels were declared: the dearest first."""
     order = list(library.signatures)
     kernels = sorted(library.kernels(), key=lambda kernel: order.index(kernel.__name__))
-    return [(kernel, k) for kernel in kernels for k in range(len(kernel.signatures))]
+    return [(kernel, k) for kernel in kernels for k in kernel.of(volume)]
 
 
-def _start_helper(library: Library, queue: int) -> "subprocess.Popen[bytes]":
+def _start_helper(library: Library, volume: Volume, queue: int) -> "subprocess.Popen[bytes]":
     """Another process that compiles what it finds in the queue."""
     program = (
         f"import sys; sys.path[:] = {sys.path!r}\n"
         f"from {library.home} import library\n"
         "from solvers.native.building import help_out\n"
-        f"help_out(library, {queue})\n"
+        f"help_out(library, {volume!r}, {queue})\n"
     )
     return subprocess.Popen(
         [sys.executable, "-c", program],
@@ -120,9 +120,9 @@ def _start_helper(library: Library, queue: int) -> "subprocess.Popen[bytes]":
     )
 
 
-def help_out(library: Library, queue: int) -> None:
+def help_out(library: Library, volume: Volume, queue: int) -> None:
     """What a helper does: objects to its stdout, each behind its number."""
-    objects = _work(library, queue)
+    objects = _work(library, volume, queue)
     sys.stdout.buffer.write(packed_list([bytes([k]) + code for k, code in objects.items()]))
 
 
@@ -134,9 +134,9 @@ def _answer(answer: bytes) -> dict[int, bytes]:
         return {}
 
 
-def _work(library: Library, queue: int) -> dict[int, bytes]:
+def _work(library: Library, volume: Volume, queue: int) -> dict[int, bytes]:
     """Compile what is in the queue until it is empty."""
-    jobs = _jobs(library)
+    jobs = _jobs(library, volume)
     objects = {}
     while number := os.read(queue, 1):
         k = number[0]

@@ -54,14 +54,14 @@ def folder() -> Path:
     return (Path(base) if os.path.isabs(base) else home / ".cache") / "poisson"
 
 
-def key_of(library: "Library", host: str) -> str:
-    """The hash of all that the library's object code depends on: sources, compilers, machine."""
+def key_of(library: "Library", volume: str, host: str) -> str:
+    """The hash of all that a volume's object code depends on: sources, compilers, machine."""
     this_package = os.path.dirname(_origin(__name__.rpartition(".")[0]))
     sources = [
         os.path.join(this_package, name) for name in sorted(os.listdir(this_package)) if name.endswith(".py")
     ]
     sources += [_origin(name) for name in (*library.modules, *library.ingredients)]
-    parts = [_content(path) for path in sources]
+    parts = [volume.encode(), *(_content(path) for path in sources)]
     parts += [version_of("numba"), version_of("llvmlite"), host.encode()]
     parts += [(sys.implementation.cache_tag or "").encode()]
     parts += [os.environ.get(variable, "").encode() for variable in _SETTINGS]
