@@ -1,11 +1,13 @@
 """The gallery: every tool at work on photographs, made by real command lines.
 
-A scene (`scenes`) names the photographs and selections to prepare and the commands to run. This module prepares,
-runs and shows them, and knows nothing of any tool: a new scene is one more entry there.
+A scene (`scenes`) names the photographs and selections to prepare, the commands to run and the naive ways (`naive`) to
+compare them with. This module prepares, runs and shows them, and knows nothing of any tool: a new scene is one more
+entry there.
 """
 
 from __future__ import annotations
 
+import importlib.util
 from pathlib import Path
 from typing import Final
 
@@ -51,6 +53,10 @@ def run(directory: Path, overwrite: bool) -> None:
         If one of the commands fails, with its exit code.
     """
     files = photographs.folder()
+    if importlib.util.find_spec("cv2") is None:
+        raise InputError(
+            "the demo finds edges with OpenCV, which is not installed: pip install 'poisson-cli[demo]'"
+        )
     try:
         if directory.is_dir() and not overwrite and any(directory.iterdir()):
             raise OutputError(

@@ -22,7 +22,8 @@ RESULT: Final = "result.png"
 PREVIEW: Final = "preview.png"
 """The result three times three, of scenes that make a tile."""
 
-SHEET: Final = "sheet.png"
+SHEET: Final = "sheet.jpg"
+"""A JPEG, so that the page can be sent: it is there to be looked at, everything else to be compared bit for bit."""
 
 
 @dataclass(frozen=True)

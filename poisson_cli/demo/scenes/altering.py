@@ -102,7 +102,9 @@ _VISOR = Scene(
     selections={
         "reflection.png": Selection(
             on="helmet.png",
-            shapes=(Lasso(((88, 125), (95, 98), (115, 84), (140, 90), (148, 115), (145, 145), (125, 165), (98, 158))),),
+            shapes=(
+                Lasso(((90, 140), (96, 118), (115, 106), (138, 110), (149, 130), (146, 155), (126, 176), (99, 167))),
+            ),
         )
     },
     naive={"plain-gamma.png": Pasted(change=Brightened(3))},
@@ -111,7 +113,7 @@ _VISOR = Scene(
         Panel("Before", "a studio lamp in the visor", "helmet.png"),
         Panel("Selection", "a loose loop around it", "helmet.png", "reflection.png"),
         Panel("Gamma curve", "white stays white", "plain-gamma.png"),
-        Panel("After", "poisson relight", RESULT),
+        Panel("After", "poisson relight: next to nothing is left", RESULT),
     ),
 )  # fmt: skip
 
@@ -123,8 +125,9 @@ _DECOLOR = Scene(
     title="Only the motorcycle",
     figure="Figure 11",
     caption=(
-        "The selected part of the colour picture is cloned into a grey version of it. Where the loop runs over the "
-        "floor and the shelf, colour fades instead of ending, so the loop may be as loose as this."
+        "The selected part of the colour picture is cloned into a grey version of it, so the loop may be as loose as "
+        "this. What the border lacks, the brown of floor and wood, is then missing inside too, and tyres and chrome "
+        "turn bluish: the contamination that the paper mentions. With --screen, colours inside are the picture's own."
     ),
     pictures={"garage.png": _GARAGE},
     selections={
@@ -133,9 +136,9 @@ _DECOLOR = Scene(
             shapes=(
                 Lasso(
                     (
-                        (85, 230), (80, 190), (140, 140), (200, 150), (270, 170), (370, 130), (480, 60), (560, 110),
-                        (600, 170), (600, 250), (660, 290), (690, 400), (650, 455), (570, 450), (510, 380), (440, 390),
-                        (340, 430), (200, 415), (115, 370), (105, 280),
+                        (60, 250), (60, 160), (140, 110), (220, 120), (290, 110), (370, 90), (480, 30), (580, 80),
+                        (630, 170), (640, 240), (700, 300), (720, 400), (690, 470), (560, 480), (440, 440), (340, 470),
+                        (180, 450), (90, 400), (60, 320),
                     )
                 ),
             ),
@@ -143,14 +146,20 @@ _DECOLOR = Scene(
     },
     naive={"plain-paste.png": Pasted(backdrop=Grey())},
     commands=(
-        Command("recolor garage.png -m motorcycle.png --decolor-background -o result.png --overwrite"),
+        Command("recolor garage.png -m motorcycle.png --decolor-background -o paper.png --overwrite"),
+        Command(
+            "recolor garage.png -m motorcycle.png --decolor-background --screen .0005 -o result.png --overwrite"
+        ),
     ),
     panels=(
         Panel("Before", "a garage", "garage.png"),
         Panel("Selection", "a loose loop around the motorcycle", "garage.png", "motorcycle.png"),
-        Panel("Plain copy", "the loop shows", "plain-paste.png"),
-        Panel("After", "poisson recolor --decolor-background", RESULT),
+        Panel("Plain copy", "brown to the loop and not beyond", "plain-paste.png"),
+        Panel("As in the paper", "--decolor-background: bluish", "paper.png"),
+        Panel("After", "--decolor-background --screen .0005", RESULT),
+        Panel("After, closer", "grey shelf, red paint", RESULT, crop=(330, 60, 710, 316)),
     ),
+    columns=3,
 )  # fmt: skip
 
 
@@ -169,14 +178,14 @@ _RECOLOR = Scene(
             shapes=(
                 Lasso(
                     (
-                        (80, 190), (95, 170), (150, 190), (215, 225), (262, 238), (310, 205), (340, 165), (400, 135),
-                        (470, 140), (500, 180), (495, 235), (430, 258), (350, 275), (265, 308), (235, 300),
+                        (80, 190), (95, 168), (150, 188), (195, 198), (240, 226), (275, 238), (310, 205), (340, 165),
+                        (400, 135), (470, 140), (500, 180), (495, 235), (430, 258), (350, 275), (265, 308), (235, 300),
                         (210, 262), (170, 246), (130, 250), (105, 272), (85, 245),
                     )
                 ),
                 Lasso(
                     (
-                        (495, 320), (515, 270), (560, 245), (615, 255), (655, 285), (665, 325), (610, 330), (560, 315),
+                        (495, 325), (512, 280), (550, 258), (610, 260), (655, 288), (665, 325), (610, 330), (560, 315),
                         (520, 350),
                     )
                 ),

@@ -51,7 +51,7 @@ _DRAWN = Scene(
     figure="Section 5",
     caption=(
         "Cloning and editing in one go, as the paper's conclusion proposes: what is brought over are the gradients at "
-        "the edges of the photograph only (--flatten), and those half as strong again (--focus 1.5). So the cat is "
+        "the edges of the photograph only (--flatten), and those twice as strong (--focus 2). So the cat is "
         "painted rather than pasted, in flat patches, and the joints of the wall run through her."
     ),
     pictures={
@@ -77,7 +77,7 @@ _DRAWN = Scene(
     commands=(
         Command("mix cat.png wall.png -m face.png --at 0,80 -o mix.png --overwrite"),
         Command(
-            "mix cat.png wall.png -m face.png --at 0,80 --flatten --low 4 --high 9 --focus 1.5 "
+            "mix cat.png wall.png -m face.png --at 0,80 --flatten --low 4 --high 8 --focus 2 "
             "-o result.png --overwrite"
         ),
     ),
@@ -87,7 +87,7 @@ _DRAWN = Scene(
         Panel("Plain copy", "a sticker", "plain-paste.png", crop=(0, 60, 512, 460)),
         Panel("Alpha blend", "a worn sticker", "alpha-blend.png", crop=(0, 60, 512, 460)),
         Panel("Mixed", "poisson mix: a projection", "mix.png", crop=(0, 60, 512, 460)),
-        Panel("After", "poisson mix --flatten --focus 1.5: a painting", RESULT, crop=(0, 60, 512, 460)),
+        Panel("After", "poisson mix --flatten --focus 2: a painting", RESULT, crop=(0, 60, 512, 460)),
     ),
     columns=3,
 )  # fmt: skip
@@ -106,11 +106,11 @@ _TONEMAP = Scene(
     pictures={"astronaut.png": Photograph("astronaut.png")},
     selections={},
     naive={"plain-gamma.png": Pasted(change=Brightened(0.5))},
-    commands=(Command("tonemap astronaut.png -o result.png --overwrite"),),
+    commands=(Command("tonemap astronaut.png --saturation .6 -o result.png --overwrite"),),
     panels=(
         Panel("Before", "a black collar", "astronaut.png"),
         Panel("Gamma curve", "0.5: brighter and paler", "plain-gamma.png"),
-        Panel("After", "poisson tonemap", RESULT),
+        Panel("After", "poisson tonemap --saturation .6", RESULT),
         Panel("Before, closer", "black", "astronaut.png", crop=(110, 110, 320, 320)),
         Panel("Gamma curve, closer", "grey", "plain-gamma.png", crop=(110, 110, 320, 320)),
         Panel("After, closer", "ribs, ring and lining", RESULT, crop=(110, 110, 320, 320)),
@@ -126,7 +126,7 @@ _SCREEN = Scene(
     caption=(
         "The price of a seamless border: the difference between the two pictures there, coffee minus cat, is spread "
         "over all of the inside, and the cat turns orange. With --screen the source's own colours come back away from "
-        "the border; --space lab weighs the difference as the eye sees it, and makes for a softer bleeding."
+        "the border; --space lab alone keeps light and dark apart better, but not the colours."
     ),
     pictures={
         "cat.png": Photograph("chelsea.png", size=(330, 192)),
@@ -156,7 +156,7 @@ _SCREEN = Scene(
         Panel("Plain copy", "a cut-out", "plain-paste.png", crop=(130, 165, 424, 366)),
         Panel("Alpha blend", "a halo", "alpha-blend.png", crop=(130, 165, 424, 366)),
         Panel("Cloned", "poisson clone: coffee bleeds in", "clone.png", crop=(130, 165, 424, 366)),
-        Panel("In Lab", "--space lab: it bleeds more softly", "lab.png", crop=(130, 165, 424, 366)),
+        Panel("In Lab", "--space lab: darks stay dark", "lab.png", crop=(130, 165, 424, 366)),
         Panel("After", "--screen .002: her own colours", RESULT, crop=(130, 165, 424, 366)),
     ),
     columns=3,
@@ -179,8 +179,8 @@ _ROBUST = Scene(
             shapes=(
                 Lasso(
                     (
-                        (142, 52), (150, 65), (152, 130), (153, 240), (156, 290), (166, 316), (170, 330), (144, 336),
-                        (130, 336), (116, 336), (98, 330), (100, 290), (118, 195), (126, 128), (135, 65),
+                        (142, 52), (150, 65), (152, 130), (153, 240), (157, 290), (162, 308), (160, 319), (144, 322),
+                        (130, 322), (118, 322), (107, 318), (103, 290), (118, 195), (126, 128), (135, 65),
                     )
                 ),
             ),
@@ -194,10 +194,10 @@ _ROBUST = Scene(
         ),
     ),
     panels=(
-        Panel("Selection", "its border meets a lamp", "pad.png", "tower.png", crop=(30, 100, 260, 350)),
-        Panel("Plain copy", "too dark", "plain-paste.png", crop=(30, 100, 260, 350)),
-        Panel("Cloned", "poisson clone: the light bleeds", "clone.png", crop=(30, 100, 260, 350)),
-        Panel("After", "poisson clone --robust", RESULT, crop=(30, 100, 260, 350)),
+        Panel("Selection", "its border meets the rays of lamps", "pad.png", "tower.png", crop=(20, 180, 270, 367)),
+        Panel("Plain copy", "too dark", "plain-paste.png", crop=(20, 180, 270, 367)),
+        Panel("Cloned", "poisson clone: the light bleeds", "clone.png", crop=(20, 180, 270, 367)),
+        Panel("After", "poisson clone --robust", RESULT, crop=(20, 180, 270, 367)),
     ),
 )  # fmt: skip
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from poisson_cli.demo.command import Command
-from poisson_cli.demo.naive import Median, Pasted
+from poisson_cli.demo.naive import Blurred, Pasted
 from poisson_cli.demo.photographs import Photograph
 from poisson_cli.demo.scene import RESULT, Panel, Scene, Selection
 from poisson_cli.demo.shapes import Brush, Lasso
@@ -56,28 +56,34 @@ _HIDE = Scene(
 
 
 _HEAL = Scene(
-    name="heal-crater",
-    title="A crater less",
+    name="heal-badge",
+    title="The badge comes off",
     figure="Figure 2",
     caption=(
         "Concealment without having to say where to copy from. The tool compares what lies around the selection with "
-        "every other place of the picture, takes the one that fits best, and says which it took. (Plain copying from "
-        "there shows an edge: the moon is a little darker.)"
+        "every other place of the picture, takes the one that fits best, and says which it took: here the "
+        "shoulder, 74 pixels to the left and 84 above. Cloning from there fits light and colour."
     ),
-    pictures={"moon.png": Photograph("moon.png", levels=(60, 190))},
+    pictures={"suit.png": Photograph("astronaut.png", crop=(40, 220, 400, 490))},
     selections={
-        "crater.png": Selection(
-            on="moon.png",
-            shapes=(Lasso(((85, 90), (98, 55), (125, 42), (155, 52), (170, 90), (152, 125), (118, 132), (95, 120))),),
+        "badge.png": Selection(
+            on="suit.png",
+            shapes=(
+                Lasso(
+                    (
+                        (86, 165), (98, 128), (130, 114), (166, 126), (184, 162), (176, 200), (138, 220), (98, 208),
+                    )
+                ),
+            ),
         )
     },
-    naive={"plain-paste.png": Pasted(at=(22, -273))},
-    commands=(Command("heal moon.png -m crater.png -o result.png --overwrite"),),
+    naive={"plain-paste.png": Pasted(at=(74, 84))},
+    commands=(Command("heal suit.png -m badge.png -o result.png --overwrite"),),
     panels=(
-        Panel("Before", "the moon", "moon.png", crop=(0, 0, 320, 200)),
-        Panel("Selection", "a loose loop around the crater", "moon.png", "crater.png", crop=(0, 0, 320, 200)),
-        Panel("Plain copy", "from the best place, and yet", "plain-paste.png", crop=(0, 0, 320, 200)),
-        Panel("After", "poisson heal", RESULT, crop=(0, 0, 320, 200)),
+        Panel("Before", "a mission badge", "suit.png"),
+        Panel("Selection", "a loose loop around the badge", "suit.png", "badge.png"),
+        Panel("Plain copy", "from the best place, and yet", "plain-paste.png"),
+        Panel("After", "poisson heal", RESULT),
     ),
 )  # fmt: skip
 
@@ -110,14 +116,17 @@ _CREASES = Scene(
             shapes=tuple(Brush(fold, 7) for fold in _FOLDS),
         )
     },
-    naive={"median.png": Pasted(change=Median(13))},
+    naive={"gaussian-blur.png": Pasted(change=Blurred(3))},
     commands=(Command("fill print.png -m folds.png -o result.png --overwrite"),),
     panels=(
         Panel("Before", "a print that was folded", "print.png"),
         Panel("Selection", "a brush along the folds", "print.png", "folds.png"),
-        Panel("Median", "blurred, and the folds remain", "median.png"),
         Panel("After", "poisson fill", RESULT),
+        Panel("Before, closer", "the colour has come off", "print.png", crop=(230, 130, 450, 350)),
+        Panel("Gaussian blur", "the folds are pale and broad", "gaussian-blur.png", crop=(230, 130, 450, 350)),
+        Panel("After, closer", "poisson fill", RESULT, crop=(230, 130, 450, 350)),
     ),
+    columns=3,
 )  # fmt: skip
 
 

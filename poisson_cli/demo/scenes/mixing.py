@@ -39,7 +39,7 @@ _MURAL = Scene(
             ),
         )
     },
-    naive={"plain-paste.png": Pasted(), "alpha-blend.png": Pasted(feather=14)},
+    naive={"plain-paste.png": Pasted()},
     commands=(
         Command("clone logo.png wall.png -m loop.png --at 42,40 -o clone.png --overwrite"),
         Command("clone logo.png wall.png -m loop.png --at 42,40 --gradients average -o average.png --overwrite"),

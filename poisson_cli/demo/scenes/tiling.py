@@ -24,11 +24,11 @@ _TILE = Scene(
     naive={"plain-repeat.png": Repeated()},
     commands=(
         Command(
-            "tile coffee.png --rect 480,100,120,160 --preview preview.png -o result.png --overwrite"
+            "tile coffee.png --rect 480,120,120,90 --preview preview.png -o result.png --overwrite"
         ),
     ),
     panels=(
-        Panel("Before", "a piece of a table", "coffee.png", crop=(480, 100, 600, 260)),
+        Panel("Before", "a piece of a table", "coffee.png", crop=(480, 120, 600, 210)),
         Panel("Tile", "poisson tile: the same piece, evened out", RESULT),
         Panel("Repeated", "as it is: every border shows", "plain-repeat.png"),
         Panel("After", "the tile repeated: one surface", PREVIEW),
