@@ -2,7 +2,7 @@
 
 Theorem.  Let A f = b be eq. (7), with some pixel known.  For any picture f', any delta that is zero on known pixels,
 and any z >= 0 with A z >= |b - A f' - A delta| at every unknown pixel, no pixel of f' is further from f than
-|delta| + z there.
+|delta| + z there.  (A may be screened: what is added to its diagonal only helps.)
 
 Proof.  w = f - f' - delta is zero on known pixels, and A (z - w) >= 0, A (z + w) >= 0.
 A picture g that is zero on known pixels and has A g >= 0 is nowhere negative: where it is least, no neighbour is larger
@@ -86,13 +86,14 @@ def _proof(problem: PoissonProblem, precise: Float64, solver: Solver, iterations
     offset = 0.0  # of the mean, where that is what holds f
     for channel in range(problem.channels):
         r, blurred = _residual(problem, solution, channel)
-        delta = _proposal(region, r, solver, iterations)
+        delta = _proposal(region, r, solver, iterations, problem.screening)
         if problem.floating:
             delta -= delta.mean()
             guess = problem.values.reshape(solution.shape)[..., channel]
             drift = guess.mean(dtype=np.float64) - solution[..., channel].mean()
             offset = max(offset, abs(float(drift)) + MEAN_EPS * (_size(guess) + _size(delta)))
-        rounding = max(rounding, blurred + _add_minus_image(r, delta))
+        blurred += _add_minus_image(r, delta) + _subtract_drawn(r, delta, problem.screening)
+        rounding = max(rounding, blurred)
         np.maximum(error, np.abs(delta), out=error)
         np.maximum(rest, np.abs(r), out=rest, where=region)
 
@@ -100,14 +101,14 @@ def _proof(problem: PoissonProblem, precise: Float64, solver: Solver, iterations
         region = _one_held(region)
     rest += rounding
     rest[~region] = 0.0
-    z = cover(region, rest, solver)
+    z = cover(region, rest, solver, problem.screening)
     if problem.floating:
         offset += float(z.mean())
     return float((error + z).max()) + offset, float(z.max())
 
 
-def cover(region: NDArray[np.bool_], rest: Float64, solver: Solver) -> Float64:
-    """Some z >= 0 with A z >= `rest` > 0 on the region, verified; infinite if none was found.
+def cover(region: NDArray[np.bool_], rest: Float64, solver: Solver, screening: float = 0.0) -> Float64:
+    """Some z >= 0 with A z >= `rest` > 0 on the region, verified; infinite if none was found.  A is screened.
 
     Nothing needs to be verified for z >= 0: it follows from A z >= 0, as in the theorem.
     """
@@ -118,9 +119,10 @@ def cover(region: NDArray[np.bool_], rest: Float64, solver: Solver) -> Float64:
     for _ in range(PROPOSALS):
         missing = raised.copy()
         _add_minus_image(missing, z)
-        z += _proposal(region, missing, solver, EFFORTS[0])
+        _subtract_drawn(missing, z, screening)
+        z += _proposal(region, missing, solver, EFFORTS[0], screening)
         image = np.zeros(region.shape)
-        rounding = _add_minus_image(image, z)
+        rounding = _add_minus_image(image, z) + _subtract_drawn(image, z, screening)
         covered = -image - rounding
         share = float(np.min(covered / np.where(region, rest, 1.0), where=region, initial=np.inf))
         if share >= ENOUGH:
@@ -130,12 +132,14 @@ def cover(region: NDArray[np.bool_], rest: Float64, solver: Solver) -> Float64:
     return z / (share * (1 - 8 * EPS))
 
 
-def _proposal(region: NDArray[np.bool_], rhs: Float64, solver: Solver, iterations: int) -> Float64:
+def _proposal(
+    region: NDArray[np.bool_], rhs: Float64, solver: Solver, iterations: int, screening: float
+) -> Float64:
     """About the solution of A u = `rhs` with u = 0 on known pixels; zero there, and finite."""
     size = float(np.max(np.abs(rhs), where=region, initial=0.0))
     if not 0 < size < np.inf:
         return np.zeros(region.shape)
-    problem = PoissonProblem(region, np.zeros(region.shape), rhs=rhs / size)
+    problem = PoissonProblem(region, np.zeros(region.shape), rhs=rhs / size, screening=screening)
     u = np.where(region, solver(problem, iterations) * size, 0.0)
     return u if np.isfinite(u).all() else np.zeros(region.shape)
 
@@ -145,7 +149,7 @@ def _residual(problem: PoissonProblem, solution: Float64, channel: int) -> tuple
 
     `solution` is (H, W, C).
     """
-    region, guidance = problem.region, problem.guidance
+    region, guidance, screening = problem.region, problem.guidance, problem.screening
     r, rounding = np.zeros(region.shape), 0.0
     if problem.rhs is not None:
         r += problem.rhs.reshape(solution.shape)[..., channel]
@@ -156,6 +160,9 @@ def _residual(problem: PoissonProblem, solution: Float64, channel: int) -> tuple
     if guidance is not None:
         across, down = (with_channels(part)[..., channel] for part in (guidance.across, guidance.down))
     rounding += _add_minus_image(r, solution[..., channel], across, down)
+    if screening > 0:
+        moved = solution[..., channel] - problem.values.reshape(solution.shape)[..., channel]
+        rounding += _subtract_drawn(r, moved, screening) + EPS * screening * _size(moved)
     r[~region] = 0.0
     return r, rounding
 
@@ -181,6 +188,14 @@ def _add_minus_image(
             r[p] += misfit
             r[q] -= misfit
     return EPS * (4 * steepest + 14 * largest + 4 * before)
+
+
+def _subtract_drawn(r: Float64, moved: Float64, screening: float) -> float:
+    """r -= screening * moved, what draws to the first guess; returns a bound of the rounding errors."""
+    if screening == 0:
+        return 0.0
+    r -= screening * moved
+    return EPS * (2 * screening * _size(moved) + _size(r))
 
 
 def _bands(f: NDArray[np.generic]) -> Iterator[slice]:

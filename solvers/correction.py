@@ -43,7 +43,7 @@ class Correction:
             # The equations fix all but a constant.  One pixel is held, the constant is set at the end.
             region = region.copy()
             region[region.shape[0] // 2, region.shape[1] // 2] = False
-        hierarchy = build_hierarchy(region, arena)
+        hierarchy = build_hierarchy(region, arena, screening=problem.screening)
         arena.reclaim()  # what was needed on the way there is 5 bytes per pixel
         channels, table = problem.channels, hierarchy.table
         correction = cls(
@@ -83,7 +83,7 @@ class Correction:
 
     def least_error(self) -> float:
         """A lower bound of the largest error, from the true residual, in float64."""
-        return self._residual(keep=True) / LARGEST_ROW_SUM
+        return self._residual(keep=True) / (LARGEST_ROW_SUM + self.problem.screening)
 
     def _residual(self, *, keep: bool) -> float:
         h = self.hierarchy

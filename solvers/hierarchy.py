@@ -141,16 +141,20 @@ def describe(region: NDArray[np.bool_]) -> str:
     return str(build_hierarchy(region))
 
 
-def build_hierarchy(region: NDArray[np.bool_], arena: Arena | None = None) -> Hierarchy:
+def build_hierarchy(
+    region: NDArray[np.bool_], arena: Arena | None = None, *, screening: float = 0.0
+) -> Hierarchy:
     """Levels of a region, finest first.
 
     Parameters
     ----------
     region : (H, W) bool
-        True = unknown.  At least one pixel must be False: without a known value the operator is singular.  None need
-        be True.
+        True = unknown.  At least one pixel must be False unless `screening` is positive: without a known value the
+        operator is singular.  None need be True.
     arena : Arena, optional
         Where the coefficients are to lie; the hierarchy then lives no longer than what the arena hands out.
+    screening : float
+        What is added to the finest diagonal; a coarse cell's diagonal holds it once per unknown pixel in the cell.
     """
     arena = arena or Arena()
     region = np.ascontiguousarray(region, dtype=np.bool_)
@@ -171,6 +175,9 @@ def build_hierarchy(region: NDArray[np.bool_], arena: Arena | None = None) -> Hi
     size = field_size(table, 1)
     weight, diagonal = arena.zeros(size), arena.zeros(size)
     setup.weigh_region(weight, diagonal, region, runs[0], table)
+    mass = arena.zeros(size if screening > 0 else 0)
+    if screening > 0:
+        setup.screen_region(mass, weight, diagonal, segments[0], table, np.float32(screening))
     unknowns = [int(np.count_nonzero(region))]
     conductances = [arena.zeros(size - int(table[1, OFFSET])) for _ in range(6)]
     scratch = arena.zeros(13 * int(table[0, STRIDE]))
@@ -182,6 +189,9 @@ def build_hierarchy(region: NDArray[np.bool_], arena: Arena | None = None) -> Hi
         else:
             setup.coarsen(*conductances, scratch, runs[level - 1], table, level - 1)
         unknowns.append(int(setup.weigh(weight, diagonal, *conductances, segments[level], table, level)))
+        if screening > 0:
+            setup.coarsen_mass(mass, scratch, runs[level - 1], table, level - 1)
+            setup.add_mass(weight, diagonal, mass, segments[level], table, level)
 
     # The depth was known only now: coarser levels, laid out above, are left out.
     n_levels = len(unknowns)

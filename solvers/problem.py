@@ -11,6 +11,9 @@ from solvers.canvas import Arrays, Canvas, Values, gather
 # Sums of a few values must stay far from float32's largest number, 3.4e38.
 LARGEST_VALUE = 1e30
 
+# Beyond, nothing of the neighbours is seen in float32 any more.
+LARGEST_SCREENING = 1e6
+
 
 class OptionError(ValueError):
     """An option of a solver makes no sense."""
@@ -57,13 +60,16 @@ class PoissonProblem:
 
         |N_p| f_p - sum over unknown q of f_q = sum over known q of f*_q + sum over all q of v_pq
 
+    and, with `screening` s, s f_p more on the left and s h_p more on the right, h being the first guess.
+
     The edge of the arrays is the edge of the image: a pixel there has fewer neighbours, a natural condition.  A crop
     must therefore keep one ring of known pixels around the region wherever the image goes on.
 
     Parameters
     ----------
     region : (H, W) bool
-        True = unknown.  If all pixels are unknown the solution keeps the mean of the first guess, per channel.
+        True = unknown.  If all pixels are unknown (and nothing is screened) the solution keeps the mean of the first
+        guess, per channel.
     values : (H, W) or (H, W, C) float32 or float64
         Known values f* where `region` is False, first guess where it is True.  Never modified.
     guidance : Guidance, optional
@@ -72,6 +78,10 @@ class PoissonProblem:
         Instead of `guidance`: the sum over q in N_p of v_pq, read where `region` is True.
     level : float
         The size of one level, 1/255 of full scale, in the units of `values`: 1 for 8 bit, 257 for 16 bit.
+    screening : float
+        s >= 0, per square pixel: how strongly every unknown is drawn to its first guess.  An influence from outside
+        fades over about 1 / sqrt(s) pixels.  It is rounded so that float32 holds 4 + s, which below s = 4 means to a
+        multiple of 5e-7; the attribute says what was taken.
 
     Attributes
     ----------
@@ -81,11 +91,12 @@ class PoissonProblem:
     Raises
     ------
     ValueError
-        If shapes do not fit, no pixel is unknown, or a value is not finite or above 1e30.
+        If shapes do not fit, no pixel is unknown, a value is not finite or above 1e30, or `screening` is negative.
     """
 
     region: NDArray[np.bool_]
     level: float
+    screening: float
     canvas: Canvas
 
     def __init__(
@@ -96,6 +107,7 @@ class PoissonProblem:
         *,
         rhs: Values | None = None,
         level: float = 1.0,
+        screening: float = 0.0,
     ) -> None:
         set_ = object.__setattr__  # the way a frozen dataclass sets its own fields
         region, values = _region(region), _floats("values", values)
@@ -112,14 +124,18 @@ class PoissonProblem:
             )
         rhs = None if rhs is None else _floats("rhs", rhs, values.shape)
         # With a natural condition all round there is a solution only if the right-hand side sums to zero.
-        balanced = rhs - rhs.mean((0, 1)) if rhs is not None and region.all() else rhs
+        singular = screening == 0 and region.all()
+        balanced = rhs - rhs.mean((0, 1)) if rhs is not None and singular else rhs
         across, down = (None, None) if guidance is None else (guidance.across, guidance.down)
         set_(self, "region", region)
         set_(self, "level", _level(level))
+        set_(self, "screening", _screening(screening))
         set_(self, "canvas", Arrays(values, across, down, balanced))
 
     @classmethod
-    def on_canvas(cls, region: ArrayLike, canvas: Canvas, *, level: float = 1.0) -> "PoissonProblem":
+    def on_canvas(
+        cls, region: ArrayLike, canvas: Canvas, *, level: float = 1.0, screening: float = 0.0
+    ) -> "PoissonProblem":
         """A problem whose numbers are never held all at once: the canvas hands them out in bands of rows.
 
         Parameters
@@ -129,7 +145,7 @@ class PoissonProblem:
         canvas : Canvas
             Of the region's height and width.  It vouches for its numbers: finite, and below 1e30.  A solver's result
             has as its `solution` what the canvas painted.
-        level : float
+        level, screening : float
             As above.
         """
         problem = cls.__new__(cls)
@@ -138,8 +154,10 @@ class PoissonProblem:
             raise ValueError(
                 f"a canvas of shape {canvas.shape} does not fit a region of shape {region.shape}"
             )
-        for name, value in (("region", region), ("level", _level(level)), ("canvas", canvas)):
-            object.__setattr__(problem, name, value)
+        object.__setattr__(problem, "region", region)
+        object.__setattr__(problem, "level", _level(level))
+        object.__setattr__(problem, "screening", _screening(screening))
+        object.__setattr__(problem, "canvas", canvas)
         return problem
 
     @property
@@ -170,11 +188,11 @@ class PoissonProblem:
 
     @property
     def floating(self) -> bool:
-        """True where no pixel is known.
+        """True where no pixel is known and nothing draws to the first guess: all but a constant is determined.
 
         Only then: the image's pixels are connected, so a part of the region that touches no known pixel is the image.
         """
-        return bool(self.region.all())
+        return self.screening == 0 and bool(self.region.all())
 
 
 def _region(region: ArrayLike) -> NDArray[np.bool_]:
@@ -190,6 +208,12 @@ def _level(level: float) -> float:
     if not (np.isfinite(level) and level > 0):
         raise ValueError(f"level is {level}, but must be a positive number")
     return float(level)
+
+
+def _screening(screening: float) -> float:
+    if not 0 <= screening < LARGEST_SCREENING:
+        raise ValueError(f"screening is {screening}, but must be a number from 0 to {LARGEST_SCREENING:g}")
+    return float(np.float32(4 + screening)) - 4  # the diagonal, 1 + s ... 4 + s, is then exact in float32
 
 
 def _floats(name: str, values: Any, shape: tuple[int, ...] | None = None) -> Values:

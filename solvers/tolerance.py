@@ -9,7 +9,8 @@ changes, and never believed to be below a floor, because a lucky ratio must not 
 are what is left of all errors after a while: a ratio that rises is taken to rise on (`next_rate`).  A residual norm
 says nothing of this kind: the residual of a smooth error is smaller than the error by the square of the region's width.
 
-The residual does give a bound from below, |e| >= max|r| / 8, for no row of A sums to more than 8 in absolute value.
+The residual does give a bound from below, |e| >= max|r| / (8 + s), for no row of A, screened by s, sums to more than
+8 + s in absolute value.
 It is computed anew, in float64, before success is claimed: whatever the iteration believes, it cannot hide a residual.
 `solvers.certificate` gives a bound from above that is proven, for the price of another solve.
 """
@@ -23,7 +24,7 @@ from solvers.problem import OptionError
 # so that 99.99 % of the values are those of a direct solver.
 DEFAULT_TOLERANCE = 2e-4
 
-# A row of A holds the number of neighbours once and -1 for each of them: 4 + 4 at most.
+# A row of A holds the number of neighbours once and -1 for each of them, 4 + 4 at most, beside the screening.
 LARGEST_ROW_SUM = 8.0
 
 # A rate rises at most so much from one step to the next, as measured,

@@ -350,6 +350,52 @@ def weigh(weight, diagonal, edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, segm
 
 
 @jit
+def screen_region(mass, weight, diagonal, segments, table, screening):
+    """Draws every unknown of the finest level to its first guess: mass = screening, and the diagonal grows by it."""
+    size = table[0, QUARTER]
+    for quarter in range(4):
+        for k in range(segments.shape[0]):
+            at, n = quarter * size + segments[k, 0], segments[k, 1] - segments[k, 0]
+            m, w = mass[at : at + n], weight[at : at + n]
+            for i in range(n):
+                m[i] = screening if w[i] > 0 else np.float32(0.0)
+    add_mass(weight, diagonal, mass, segments, table, 0)
+
+
+@jit
+def add_mass(weight, diagonal, mass, segments, table, level):
+    """diagonal += mass on a level, and its inverse follows; cells that are outside the region have neither."""
+    size, offset = table[level, QUARTER], table[level, OFFSET]
+    for quarter in range(4):
+        for k in range(segments.shape[0]):
+            at, n = offset + quarter * size + segments[k, 0], segments[k, 1] - segments[k, 0]
+            m, w, d = mass[at : at + n], weight[at : at + n], diagonal[at : at + n]
+            for i in range(n):
+                d[i] += m[i]
+                w[i] = np.float32(1.0) / d[i] if d[i] > 0 else np.float32(0.0)
+
+
+@jit
+def coarsen_mass(mass, scratch, runs, table, level):
+    """mass of level + 1: that of each cell's four children together.  scratch: a row of the finest level."""
+    stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
+    coarse_stride, coarse_size = table[level + 1, STRIDE], table[level + 1, QUARTER]
+    for k in range(runs.shape[0]):
+        row, low = np.int64(runs[k, 0]), np.int64(runs[k, 1])
+        n = np.int64(runs[k, 2]) - low
+        at = offset + (row + 1) * stride + low
+        line = scratch[:n]
+        for i in range(n):
+            line[i] = np.float32(0.0)
+        for quarter in range(4):
+            m = mass[at + quarter * size : at + quarter * size + n]
+            for i in range(n):
+                line[i] += m[i]
+        to = 2 * (row & 1) * coarse_size + (row // 2 + 1) * coarse_stride + low // 2
+        scatter_row(mass, scratch, table[level + 1, OFFSET] + to, coarse_size, n)
+
+
+@jit
 def factor_band(band):
     """Cholesky factor of a symmetric positive definite band matrix, in place.
 
