@@ -14,14 +14,14 @@ import click
 from click.core import ParameterSource
 
 from poisson_cli import defaults
-from poisson_cli.params import COUNT, EIGHT_BIT, FILE, POINT, POSITIVE, RECTANGLE
+from poisson_cli.params import COUNT, EIGHT_BIT, FILE, POINT, POSITIVE, QUALITY, RECTANGLE
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from poisson_cli.settings import Output, Placement, Rectangle, Reporting, Selection, Solver
+    from poisson_cli.settings import Inputs, Output, Placement, Rectangle, Reporting, Selection, Solver
 
-__all__ = ["Chatter", "output", "placement", "reporting", "selection", "solver"]
+__all__ = ["Chatter", "inputs", "output", "placement", "reporting", "selection", "solver"]
 
 _Command = Callable[..., None]
 _Decorator = Callable[[_Command], _Command]
@@ -201,10 +201,43 @@ solver: Final = _bundle(
 )
 
 
-def _output(path: Path, overwrite: bool) -> Output:
-    from poisson_cli.settings import Output
+def _inputs(page: int | None, max_pixels: int) -> Inputs:
+    from poisson_cli.settings import Inputs
 
-    return Output(path=path, overwrite=overwrite)
+    return Inputs(page=page, max_pixels=max_pixels)
+
+
+inputs: Final = _bundle(
+    "inputs",
+    _inputs,
+    (
+        click.option(
+            "--page",
+            type=COUNT,
+            metavar="N",
+            help="Which page or frame to read of a file that holds several; by default the first.",
+        ),
+        click.option(
+            "--max-pixels",
+            type=COUNT,
+            metavar="N",
+            default=defaults.MAX_PIXELS,
+            show_default=True,
+            help="Refuse pictures that claim to have more pixels, before memory is asked for.",
+        ),
+    ),
+)
+
+
+def _output(path: Path, **choices: Any) -> Output:
+    from poisson_cli.settings import Output
+    from poisson_cli.streams import STANDARD
+
+    if str(path) == STANDARD and click.get_current_context().params.get("json"):
+        raise click.UsageError(
+            "--json prints on the standard output, where the picture goes: name a file with -o."
+        )
+    return Output(path=path, **choices)
 
 
 output: Final = _bundle(
@@ -217,10 +250,26 @@ output: Final = _bundle(
             "path",
             type=FILE,
             required=True,
-            help="File to write; its ending says the format: .png, .jpg, .tif, .bmp or .webp. JPEG alone is not "
-            "exact: it changes pixels everywhere a little.",
+            help="File to write; its ending says the format: .png, .jpg, .tif, .bmp, .webp, .ppm, .pfm, .hdr or .exr. "
+            "JPEG is not exact: it changes pixels everywhere a little. - is the standard output.",
         ),
         click.option("--overwrite", is_flag=True, help="Replace the output if it exists."),
+        click.option(
+            "--format",
+            type=click.Choice(defaults.FORMATS),
+            help="Format of the output, whatever its ending.",
+        ),
+        click.option(
+            "--bit-depth",
+            type=click.Choice(["8", "16", "float"]),
+            help="Convert to this depth; by default the output has the destination's.",
+        ),
+        click.option(
+            "--quality",
+            type=QUALITY,
+            metavar="1-100",
+            help="Quality of a JPEG, by default 95, or of a WebP, by default without loss.",
+        ),
     ),
 )
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from poisson_cli.settings import Rectangle
 
-__all__ = ["COUNT", "EIGHT_BIT", "FILE", "POINT", "POSITIVE", "RECTANGLE"]
+__all__ = ["COUNT", "EIGHT_BIT", "FILE", "POINT", "POSITIVE", "QUALITY", "RECTANGLE"]
 
 _INTEGER: Final = re.compile(r"[+-]?[0-9]{1,9}")
 """At most nine digits: any picture fits, and no sum or product of two of them leaves 64 bits."""
@@ -73,9 +73,13 @@ class _File(click.ParamType):  # type: ignore[type-arg]
     def convert(self, value: str | Path, param: click.Parameter | None, ctx: click.Context | None) -> Path:
         from pathlib import Path
 
+        from poisson_cli.streams import STANDARD
+
         if "\0" in str(value):
             self.fail("a path cannot hold a null character", param, ctx)
-        return Path(value)
+        path = Path(value)
+        # `Path` takes ./- for -, which stands for the standard streams.
+        return path.absolute() if str(path) == STANDARD != str(value) else path
 
     def shell_complete(
         self, ctx: click.Context, param: click.Parameter, incomplete: str
@@ -122,5 +126,6 @@ FILE: Final = _File()
 POINT: Final = _Point("X,Y", "40,-12")
 RECTANGLE: Final = _Rectangle("X,Y,W,H", "10,20,300,200")
 EIGHT_BIT: Final = _Between(1, 255)
+QUALITY: Final = _Between(1, 100)
 COUNT: Final = _Between(1, 999_999_999)
 POSITIVE: Final = _Positive()

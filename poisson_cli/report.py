@@ -10,7 +10,7 @@ import math
 import sys
 from typing import TYPE_CHECKING, Any, TextIO
 
-from poisson_cli.streams import silence
+from poisson_cli.streams import STANDARD, printable, silence
 
 if TYPE_CHECKING:
     from poisson_cli.editing import EditReport
@@ -33,6 +33,8 @@ def tell(summary: Summary, reporting: Reporting) -> None:
         How much to say.
     """
     if not reporting.quiet:
+        for notice in summary.notices:
+            _print(f"poisson: note: {printable(notice)}", sys.stderr)
         _print(line(summary), sys.stderr)
         if summary.edit.advice is not None:
             _print(f"poisson: hint: {summary.edit.advice}", sys.stderr)
@@ -45,7 +47,7 @@ def tell(summary: Summary, reporting: Reporting) -> None:
 def _print(text: str, stream: TextIO) -> None:
     try:
         print(text, file=stream, flush=True)
-    except BrokenPipeError:
+    except OSError:  # nobody reads it, or there is no room for it
         silence(stream)
 
 
@@ -78,7 +80,7 @@ def line(summary: Summary) -> str:
     if summary.profile_dropped:
         parts.append("colour profile dropped: the format cannot hold it")
     parts.append(_duration(sum(summary.seconds.values())))
-    return f"{', '.join(parts)} -> {summary.output}"
+    return f"{', '.join(parts)} -> {_output(summary)}"
 
 
 def details(summary: Summary) -> str:
@@ -107,7 +109,7 @@ def details(summary: Summary) -> str:
     rows.append(
         ("error", f"{edit.error_estimate:.2g} levels estimated{proven}, {edit.tolerance:.2g} allowed")
     )
-    rows.append(("clipped", f"{_counted(edit.clipped, 'value')} outside 0..255"))
+    rows.append(("clipped", f"{_counted(edit.clipped, 'value')} outside the picture's range"))
     rows.append(
         ("stages", ", ".join(f"{name} {_duration(spent)}" for name, spent in summary.seconds.items()))
     )
@@ -150,8 +152,14 @@ def as_dict(summary: Summary) -> dict[str, Any]:
         "clipped": edit.clipped,
         "advice": edit.advice,
         "profile_dropped": summary.profile_dropped,
+        "notices": list(summary.notices),
         "seconds": {**summary.seconds, "total": sum(summary.seconds.values())},
     }
+
+
+def _output(summary: Summary) -> str:
+    """Where the result went."""
+    return "standard output" if str(summary.output) == STANDARD else printable(str(summary.output))
 
 
 def _error(edit: EditReport) -> str:

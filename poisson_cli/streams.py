@@ -1,11 +1,43 @@
-"""Standard streams that nobody reads any more."""
+"""Standard streams: their name on the command line, what is fit to be printed, and when nobody reads any more."""
 
 from __future__ import annotations
 
 import os
-from typing import TextIO
+from typing import Final, TextIO
 
-__all__ = ["silence"]
+__all__ = ["STANDARD", "printable", "silence"]
+
+STANDARD: Final = "-"
+"""Path that stands for the standard input or output; a file of that name is given by its whole path."""
+
+
+def printable(text: str) -> str:
+    r"""A text in one line that does nothing but be read.
+
+    File names may hold line breaks, the commands of terminals, and bytes that are no characters.
+
+    Parameters
+    ----------
+    text
+        Any text.
+
+    Returns
+    -------
+    str
+        With escapes such as ``\\n`` and ``\\x1b`` for what cannot be printed.
+
+    Examples
+    --------
+    >>> print(printable("a\x1b[2Jb\udcff.png"))
+    a\x1b[2Jb\xff.png
+    """
+    return "".join(c if c.isprintable() else _escaped(c) for c in text)
+
+
+def _escaped(character: str) -> str:
+    if "\udc80" <= character <= "\udcff":  # a byte of a file name that is no character
+        return f"\\x{ord(character) - 0xDC00:02x}"
+    return character.encode("unicode_escape").decode("ascii")
 
 
 def silence(stream: TextIO) -> None:

@@ -270,6 +270,7 @@ def test_json_is_one_object_with_everything(folder, poisson):
         "boundary_mismatch": list(report.boundary_mismatch),
         "clipped": report.clipped,
         "profile_dropped": False,
+        "notices": [],
     }
     assert told["unknowns"] < told["region"]
     assert list(seconds) == ["read", "select", "guidance", "solve", "paste", "write", "total"]

@@ -79,7 +79,7 @@ def test_the_details():
         "  mismatch  12.3, 6.0, 0.0 levels between source and destination along the boundary, mean",
         "  method    multigrid F",
         "  error     0.00015 levels estimated, 0.0005 allowed",
-        "  clipped   1 value outside 0..255",
+        "  clipped   1 value outside the picture's range",
         "  stages    read 10 ms, solve 20 ms, write 1 ms",
     ]
     shorter = report.details(changed(boundary_mismatch=None))

@@ -12,7 +12,7 @@ from poisson_cli.params import FILE
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from poisson_cli.settings import Output, Placement, Reporting, Selection, Solver
+    from poisson_cli.settings import Inputs, Output, Placement, Reporting, Selection, Solver
 
 __all__ = ["command"]
 
@@ -30,6 +30,7 @@ __all__ = ["command"]
     help="Gradients to keep: the source's, or the average of the source's and the destination's.",
 )
 @click.option("--monochrome", is_flag=True, help="Keep the source's texture only, not its colours.")
+@options.inputs
 @options.output
 @options.solver
 @options.reporting
@@ -41,6 +42,7 @@ def command(
     placement: Placement,
     selection: Selection,
     solver: Solver,
+    inputs: Inputs,
     output: Output,
     reporting: Reporting,
 ) -> None:
@@ -66,6 +68,7 @@ def command(
                 placement=placement,
                 parameters={"gradients": gradients, "monochrome": monochrome},
                 solver=solver,
+                inputs=inputs,
                 output=output,
             ),
             progress=watch,

@@ -12,7 +12,7 @@ from poisson_cli.params import FILE
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from poisson_cli.settings import Output, Reporting, Selection, Solver
+    from poisson_cli.settings import Inputs, Output, Reporting, Selection, Solver
 
 __all__ = ["command"]
 
@@ -20,10 +20,18 @@ __all__ = ["command"]
 @click.command(short_help="Fill a selection smoothly from its border.")
 @click.argument("image", type=FILE)
 @options.selection
+@options.inputs
 @options.output
 @options.solver
 @options.reporting
-def command(image: Path, selection: Selection, solver: Solver, output: Output, reporting: Reporting) -> None:
+def command(
+    image: Path,
+    selection: Selection,
+    inputs: Inputs,
+    solver: Solver,
+    output: Output,
+    reporting: Reporting,
+) -> None:
     """Fill a selection of IMAGE smoothly from the colours around it.
 
     For scratches, dust, wires and small blemishes; a large selection becomes a soft blur without texture.
@@ -36,7 +44,14 @@ def command(image: Path, selection: Selection, solver: Solver, output: Output, r
 
     with progress.shown(reporting, solver) as watch:
         summary = job.run(
-            job.Job(tool="fill", destination=image, selection=selection, solver=solver, output=output),
+            job.Job(
+                tool="fill",
+                destination=image,
+                selection=selection,
+                inputs=inputs,
+                solver=solver,
+                output=output,
+            ),
             progress=watch,
         )
     report.tell(summary, reporting)

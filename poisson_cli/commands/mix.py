@@ -12,7 +12,7 @@ from poisson_cli.params import FILE
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from poisson_cli.settings import Output, Placement, Reporting, Selection, Solver
+    from poisson_cli.settings import Inputs, Output, Placement, Reporting, Selection, Solver
 
 __all__ = ["command"]
 
@@ -22,6 +22,7 @@ __all__ = ["command"]
 @click.argument("destination", type=FILE)
 @options.selection
 @options.placement
+@options.inputs
 @options.output
 @options.solver
 @options.reporting
@@ -31,6 +32,7 @@ def command(
     placement: Placement,
     selection: Selection,
     solver: Solver,
+    inputs: Inputs,
     output: Output,
     reporting: Reporting,
 ) -> None:
@@ -54,6 +56,7 @@ def command(
                 selection=selection,
                 placement=placement,
                 solver=solver,
+                inputs=inputs,
                 output=output,
             ),
             progress=watch,

@@ -6,9 +6,29 @@ whole or not at all. Nothing outside this package knows a decoder.
 
 from __future__ import annotations
 
+from poisson_cli.images.demands import Asking, asking
+from poisson_cli.images.depth import Conversion, Depth, in_words
 from poisson_cli.images.picture import Picture
-from poisson_cli.images.reading import read
+from poisson_cli.images.profile import called, same_colours
+from poisson_cli.images.reading import decode, decode_indices, read, read_bytes
 from poisson_cli.images.target import Target, prepare
-from poisson_cli.images.writing import write
+from poisson_cli.images.writing import fitting, write
 
-__all__ = ["Picture", "Target", "prepare", "read", "write"]
+__all__ = [
+    "Asking",
+    "Conversion",
+    "Depth",
+    "Picture",
+    "Target",
+    "asking",
+    "called",
+    "decode",
+    "decode_indices",
+    "fitting",
+    "in_words",
+    "prepare",
+    "read",
+    "read_bytes",
+    "same_colours",
+    "write",
+]

@@ -58,7 +58,7 @@ def select(selection: Selection, canvas: Canvas) -> NDArray[np.bool_]:
     strongest = 0
     mask = np.zeros(canvas.picture.shape, np.bool_)
     for path in selection.masks:
-        picture = read(path)
+        picture = read(path).in_8_bits()
         _refuse_other_size(picture, canvas)
         values = strength(picture)
         strongest = max(strongest, int(values.max()))
