@@ -15,7 +15,7 @@ from poisson_cli.images.metadata import Kind
 __all__ = ["FORMATS", "WRITTEN", "Format", "by_extension", "listed", "recognise"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Format:
     """One picture format.
 

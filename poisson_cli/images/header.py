@@ -43,11 +43,11 @@ def refuse_hollow(name: str, size: int, length: int, ratio: int) -> None:
     name
         What the user calls the file.
     size
-        Bytes that the header claims, unpacked.
+        Bytes (or pixels) that the header claims, unpacked.
     length
         Bytes of the file.
     ratio
-        Bytes that one byte of it can become at most.
+        How many of them one byte of it can become at most.
 
     Raises
     ------
@@ -56,5 +56,5 @@ def refuse_hollow(name: str, size: int, length: int, ratio: int) -> None:
     """
     if size > ratio * length:
         raise InputError(
-            f"{name}: damaged, {length:,} bytes cannot hold the {size:,} bytes of pixels that its header claims"
+            f"{name}: damaged, {length:,} bytes cannot hold as many pixels as its header claims"
         )

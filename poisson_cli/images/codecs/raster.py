@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any, cast
+from typing import Any, Final, cast
 
 import numpy as np
 from PIL import Image
@@ -19,19 +19,27 @@ from poisson_cli.images import exif
 from poisson_cli.images.codecs import pillow
 from poisson_cli.images.decoded import Decoded
 from poisson_cli.images.demands import asked
-from poisson_cli.images.formats import BMP, JPEG, WEBP, Format
+from poisson_cli.images.formats import BMP, GIF, JPEG, WEBP, Format
 from poisson_cli.images.header import refuse_hollow
 from poisson_cli.images.picture import Picture
 
 __all__ = ["decode", "encode", "encode_with_pillow", "page_of", "settings_of"]
 
 
+_PIXELS_PER_BYTE: Final = {
+    JPEG: 512,  # a block of 64 pixels takes a bit at least; past its end, a file would be read on as grey
+    GIF: 2600,  # twelve bits stand for fewer than 4096 pixels
+    BMP: 8,  # where it is not compressed
+}
+"""How many pixels a byte can hold at most."""
+
+
 def decode(data: bytes, name: str, form: Format, *, indices: bool = False) -> Decoded:
     """Decode a picture of at most eight bits; see `poisson_cli.images.codecs`."""
     with pillow.opened(data, form) as image:
         asked().refuse_large(name, image.width, image.height)
-        if form is BMP and not image.info.get("compression"):
-            refuse_hollow(name, image.width * image.height // 8, len(data), 1)
+        if form in _PIXELS_PER_BYTE and not (form is BMP and image.info.get("compression")):
+            refuse_hollow(name, image.width * image.height, len(data), _PIXELS_PER_BYTE[form])
         page = page_of(image, name)
         if page:
             image.seek(page)

@@ -1,8 +1,8 @@
 """TIFF of 8 and 16 bits and of floats.
 
 Pillow brings libtiff, which unpacks all that is in use (LZW, Deflate, ZSTD, PackBits, JPEG), so compressed files need
-no further package. But Pillow has layouts for one channel of 16 bits or of floats only, and cuts 16-bit colours to 8. So
-a deep page is taken apart into sheets of one channel (`tiff_sheets`), which it reads without loss. Pages of up to
+no further package. But Pillow has layouts for one channel of 16 bits or of floats only, and cuts 16-bit colours to 8.
+So a deep page is taken apart into sheets of one channel (`tiff_sheets`), which it reads without loss. Pages of up to
 eight bits are Pillow's as they are: palettes, bits, inverted greys and colour differences are known to it.
 
 Pages are written here, deflated, whatever their depth: a writer may choose the one layout it knows.
