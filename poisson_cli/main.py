@@ -16,7 +16,7 @@ import click
 
 from poisson_cli import __version__, commands, errors
 from poisson_cli.options import Chatter
-from poisson_cli.streams import printable, silence
+from poisson_cli.streams import complete, printable, silence
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -109,6 +109,7 @@ def run(argv: Sequence[str]) -> int:
 
 def main() -> None:
     """Be the process ``poisson``: run the command line and exit with its code."""
+    complete()
     if "_POISSON_COMPLETE" in os.environ:  # a shell asks what could come next
         cli.main(prog_name="poisson")
     # No thread pool that nobody asked for: it costs more to set up than a clone takes.  Read when numpy is loaded.

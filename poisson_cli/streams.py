@@ -3,12 +3,33 @@
 from __future__ import annotations
 
 import os
+import sys
 from typing import Final, TextIO
 
-__all__ = ["STANDARD", "printable", "silence"]
+__all__ = ["STANDARD", "complete", "missing", "printable", "silence"]
 
 STANDARD: Final = "-"
 """Path that stands for the standard input or output; a file of that name is given by its whole path."""
+
+
+def complete() -> None:
+    """Put /dev/null where a standard stream was closed.
+
+    Otherwise the next file that is opened would get its number, and whatever is printed by number would go into it;
+    and there would be no stream to print to at all.
+    """
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        if getattr(sys, name) is None:
+            try:
+                os.fstat(number)
+            except OSError:
+                os.open(os.devnull, os.O_RDWR)  # gets the lowest number that is free
+            setattr(sys, name, open(os.devnull, "w" if number else "r"))  # noqa: SIM115
+
+
+def missing(stream: TextIO | None) -> bool:
+    """Whether a standard stream was closed when the process began."""
+    return stream is None or stream.closed or getattr(stream, "name", None) == os.devnull
 
 
 def printable(text: str) -> str:

@@ -1,8 +1,9 @@
 """Valid and damaged picture files, in every role that a file can have, in every command.
 
 Whatever the bytes are, a command reads them or refuses them: exit code 0 or 3, nothing on stderr but its own words, no
-traceback, no output on failure. The test suite tries each damage in one role; ``python -m tests.corpus`` tries each
-in all of them, and more of them, and tells how long they took and how much memory.
+traceback, no output on failure (5 where damage made floats so huge that no tolerance can be kept). The test suite tries
+each damage in one role; ``python -m tests.corpus`` tries each in all of them, and more of them, and tells how long they
+took and how much memory.
 """
 
 from __future__ import annotations
@@ -82,6 +83,8 @@ def complaint(outcome: Outcome) -> str | None:
             return "no output"
         strange = [line for line in lines[:-1] if not line.startswith("poisson: note: ")]
         return f"strange words: {strange}" if strange else None
+    if outcome.code == 5 and "not converged: " in outcome.err:
+        return None  # damaged floats of 1e20 and the like, for which .0002 levels are out of reach, and it says so
     if outcome.code != 3:
         return f"exit code {outcome.code}: {outcome.err}"
     if len(lines) != 1 or not lines[0].startswith("poisson: error: "):
@@ -197,7 +200,9 @@ def _sweep(name: str, flips: int, pipe: multiprocessing.connection.Connection) -
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--flips", type=int, default=40, help="files with flipped bits of each kind")
     parser.add_argument("--only", default="", help="kinds whose name begins with this")
     arguments = parser.parse_args()

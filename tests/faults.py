@@ -108,7 +108,11 @@ def small_disk(folder: Path, times: int) -> Counter[str]:
     """A disk that is full, if this user may make one."""
     disk = folder / "disk"
     disk.mkdir()
-    made = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=320k", "none", str(disk)], capture_output=True)
+    whole, _ = undisturbed(folder)
+    size = len(whole) // 2 + (folder / "picture.png").stat().st_size + 8192
+    made = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", f"size={size}", "none", str(disk)], capture_output=True
+    )
     if made.returncode:
         disk.rmdir()
         return Counter({"not tried: no leave to mount": 1})
@@ -116,7 +120,7 @@ def small_disk(folder: Path, times: int) -> Counter[str]:
     try:
         (disk / "picture.png").write_bytes((folder / "picture.png").read_bytes())
         for _ in range(times):
-            verdicts[verdict(disk, start(disk), b"none", (4,))] += 1
+            verdicts[verdict(disk, start(disk), whole, (4,))] += 1
     finally:
         subprocess.run(["umount", str(disk)], check=True)
         disk.rmdir()
@@ -124,7 +128,9 @@ def small_disk(folder: Path, times: int) -> Counter[str]:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--times", type=int, default=50, help="runs of each kind")
     times = parser.parse_args().times
     rng = np.random.default_rng(50)
@@ -132,9 +138,10 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         prepare(folder)
-        kinds = {"no room": lambda: limited(folder, times), "full disk": lambda: small_disk(folder, times)} | {
-            number.name: lambda number=number: signalled(folder, number, times, rng) for number in STOPPED
-        }
+        kinds = {
+            "no room": lambda: limited(folder, times),
+            "full disk": lambda: small_disk(folder, times),
+        } | {number.name: lambda number=number: signalled(folder, number, times, rng) for number in STOPPED}
         for kind, run in kinds.items():
             verdicts = run()
             lost += sum(count for said, count in verdicts.items() if said.startswith("LOST"))

@@ -1,6 +1,7 @@
 """The matrix of formats: files of other programs read as they are, and ours read as they are by other programs."""
 
 import io
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -8,7 +9,9 @@ import pytest
 import tifffile
 from PIL import Image
 
+from poisson_cli import defaults
 from poisson_cli.images import Picture, formats, reading, writing
+from tests import formats_table
 from tests.kinds import (
     DEEP_GREY,
     DEEP_GREY_ALPHA,
@@ -139,3 +142,12 @@ def test_radiance_rounds_to_the_nearest_it_has():
     assert back[0, 0].tolist() == [0, 0, 0.5]
     assert back[0, 1, 0] > 1e38
     assert back[0, 2].tolist() == [0, 0, 0]
+
+
+def test_the_page_about_formats_is_up_to_date():
+    page = formats_table.PAGE.read_text(encoding="utf-8")
+    assert formats_table.with_tables(page) == page
+
+
+def test_endings_on_the_command_line_are_those_of_the_formats():
+    assert {formats.by_extension(Path(f"a.{ending}")) for ending in defaults.FORMATS} == set(formats.WRITTEN)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -41,6 +42,8 @@ class Format:
         Whether what is read from a file is what was written.
     quality
         Whether ``--quality`` means something to it.
+    package, extra
+        A package that it needs besides those that are always there, and our extra that brings it.
     pillow, plugin
         What Pillow calls it, and the module of Pillow that reads it; for those that Pillow reads.
     encoding
@@ -57,9 +60,18 @@ class Format:
     largest_side: int = 2**31 - 1
     exact: bool = True
     quality: bool = False
+    package: str = ""
+    extra: str = ""
     pillow: str = ""
     plugin: str = ""
     encoding: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def absent(self) -> str | None:
+        """What to say where the package is not installed; None where it is, or none is needed."""
+        if not self.package or importlib.util.find_spec(self.package) is not None:
+            return None
+        return f"{self.name} needs a further package: pip install 'poisson-cli[{self.extra}]'"
 
     def can_hold_profile(self, profile: bytes) -> bool:
         """Whether a picture's ICC profile can go along; one for a single channel means nothing beside three."""
@@ -149,6 +161,8 @@ EXR: Final = Format(
     depths=("float",),
     alpha=True,  # where it is opaque
     largest_side=2**20,
+    package="OpenEXR",
+    extra="exr",
 )
 
 FORMATS: Final = (PNG, JPEG, TIFF, BMP, WEBP, GIF, PNM, PFM, HDR, EXR)

@@ -55,6 +55,4 @@ def refuse_hollow(name: str, size: int, length: int, ratio: int) -> None:
         If it is too short.
     """
     if size > ratio * length:
-        raise InputError(
-            f"{name}: damaged, {length:,} bytes cannot hold as many pixels as its header claims"
-        )
+        raise InputError(f"{name}: damaged, {length:,} bytes cannot hold as many pixels as its header claims")

@@ -23,7 +23,7 @@ from poisson_cli.images.formats import Format, listed, recognise
 from poisson_cli.images.header import decoding
 from poisson_cli.images.orientation import upright
 from poisson_cli.images.picture import Picture
-from poisson_cli.streams import STANDARD
+from poisson_cli.streams import STANDARD, missing
 
 __all__ = ["decode", "decode_indices", "read", "read_bytes"]
 
@@ -105,6 +105,8 @@ def decode_indices(data: bytes, name: str) -> NDArray[Any]:
 
 def _decoded(data: bytes, name: str, *, indices: bool = False) -> Decoded:
     form = _recognised(data, name)
+    if form.absent is not None:
+        raise InputError(f"{name}: {form.absent}")
     with decoding(name, form):
         codec = importlib.import_module(f"poisson_cli.images.codecs.{form.codec}")
         decoded: Decoded = codec.decode(data, name, form, indices=indices)
@@ -164,8 +166,8 @@ def _standard_input() -> bytes:
             "standard input: it holds one input, and was read already; name a file for the other"
         )
     current.stdin_taken = True
-    if sys.stdin is None or sys.stdin.closed:
-        raise InputError("standard input: there is none")
+    if missing(sys.stdin):
+        raise InputError("standard input: it is closed; name a file")
     if sys.stdin.isatty():
         raise InputError("standard input: a terminal; send a picture through a pipe, or name a file")
     try:

@@ -16,7 +16,7 @@ from poisson_cli.errors import OutputError
 from poisson_cli.images.depth import in_words
 from poisson_cli.images.formats import WRITTEN, Format, by_extension, listed
 from poisson_cli.images.picture import Picture
-from poisson_cli.streams import STANDARD
+from poisson_cli.streams import STANDARD, missing
 
 __all__ = ["Target", "prepare"]
 
@@ -111,11 +111,15 @@ def prepare(
     known = by_extension(path if form is None else Path(f"picture.{form}"))
     if known is None:
         raise OutputError(f"{path}: {_no_format(path)}")
+    if known.absent is not None:
+        raise OutputError(f"{path}: {known.absent}")
     if quality is not None and not known.quality:
         able = listed(tuple(known for known in WRITTEN if known.quality))
         raise OutputError(f"{path}: {known.name} has no quality to choose; leave --quality to {able}")
     if str(path) == STANDARD:
-        if sys.stdout is None or sys.stdout.isatty():
+        if missing(sys.stdout):
+            raise OutputError("standard output: it is closed; name a file with -o")
+        if sys.stdout.isatty():
             raise OutputError(
                 "standard output: a terminal; send it into a file or a pipe, or name a file with -o"
             )

@@ -14,8 +14,9 @@ import secrets
 import stat
 import sys
 from collections.abc import Callable
+from io import FileIO
 from pathlib import Path
-from typing import Final
+from typing import BinaryIO, Final
 
 import numpy as np
 
@@ -114,16 +115,21 @@ def _send(data: bytes, path: Path | None, before_commit: Callable[[], None] | No
         if before_commit is not None:
             before_commit()
         sys.stdout.flush()
-        sys.stdout.buffer.write(data)
-        sys.stdout.buffer.flush()
+        _write_all(sys.stdout.buffer, data)
         return
     # A pipe is opened as soon as somebody reads it; until then the run can be stopped.
     with open(path, "wb", buffering=0, opener=lambda name, flags: os.open(name, os.O_WRONLY)) as file:
         if before_commit is not None:
             before_commit()
-        rest = memoryview(data)
-        while rest:
-            rest = rest[file.write(rest) :]
+        _write_all(file, data)
+
+
+def _write_all(file: BinaryIO | FileIO, data: bytes) -> None:
+    """Write on until all is written: a file without a buffer, and stdout may be one, takes a part and says how much."""
+    rest = memoryview(data)
+    while rest:
+        rest = rest[file.write(rest) or 0 :]
+    file.flush()
 
 
 def save(
