@@ -11,6 +11,7 @@ code  meaning
 3     `InputError`: an input cannot be read, or makes no sense
 4     `OutputError`: the output cannot be written
 5     `NotConverged`: the iterations ran out before the tolerance was reached
+129   the terminal hung up (SIGHUP)
 130   interrupted from the keyboard (SIGINT)
 141   whoever read our output stopped listening (SIGPIPE)
 143   asked to stop (SIGTERM)
@@ -27,6 +28,7 @@ __all__ = [
     "BROKEN_PIPE",
     "BUG",
     "DONE",
+    "HUNG_UP",
     "INTERRUPTED",
     "TERMINATED",
     "USAGE",
@@ -39,6 +41,7 @@ __all__ = [
 DONE: Final = 0
 BUG: Final = 1
 USAGE: Final = 2
+HUNG_UP: Final = 129
 INTERRUPTED: Final = 130
 BROKEN_PIPE: Final = 141
 TERMINATED: Final = 143

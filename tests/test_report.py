@@ -92,7 +92,7 @@ def test_the_details():
         "exceptional at 1.2% of it",
         "  method    multigrid F",
         "  error     0.00015 levels estimated, 0.0005 allowed",
-        "  clipped   1 value outside 0..255, by 2.3 levels at most",
+        "  clipped   1 value outside the picture's range, by 2.3 levels at most",
         "  stages    read 10 ms, solve 20 ms, write 1 ms",
     ]
     shorter = report.details(changed(boundary_mismatch=None))
