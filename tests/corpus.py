@@ -81,7 +81,8 @@ def complaint(outcome: Outcome) -> str | None:
     if outcome.code == 0:
         if not Path("out.tif").exists():
             return "no output"
-        strange = [line for line in lines[:-1] if not line.startswith("poisson: note: ")]
+        told = [line for line in lines if not line.startswith(("poisson: note: ", "poisson: hint: "))]
+        strange = told[:-1]
         return f"strange words: {strange}" if strange else None
     if outcome.code == 5 and "not converged: " in outcome.err:
         return None  # damaged floats of 1e20 and the like, for which .0002 levels are out of reach, and it says so

@@ -187,7 +187,8 @@ INPUT = {
     ),
     "text as mask": (
         replaced(CLONE, "mask.png", "note.txt"),
-        "note.txt: not a mask; pictures (PNG, JPEG, TIFF, BMP and WebP), labelme and COCO JSON, and text files of "
+        "note.txt: not a mask; pictures (PNG, JPEG, TIFF, BMP, WebP, GIF, PNM, PFM, Radiance HDR "
+        "and OpenEXR), labelme and COCO JSON, and text files of "
         "x,y lines are read",
     ),
     "no alpha as mask": (

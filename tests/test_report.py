@@ -97,7 +97,7 @@ def test_the_details():
     ]
     shorter = report.details(changed(boundary_mismatch=None))
     assert "mismatch" not in shorter
-    assert "0 values outside 0..255\n" in shorter
+    assert "0 values outside the picture's range\n" in shorter
     assert "selected" not in report.details(changed(selected=None))
     assert shorter.startswith("  selected  12,345 pixels, all of them inside the picture\n")
 
