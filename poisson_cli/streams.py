@@ -18,13 +18,10 @@ def complete() -> None:
     Otherwise the next file that is opened would get its number, and whatever is printed by number would go into it;
     and there would be no stream to print to at all.
     """
-    for number, name in enumerate(("stdin", "stdout", "stderr")):
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
-            try:
-                os.fstat(number)
-            except OSError:
-                os.open(os.devnull, os.O_RDWR)  # gets the lowest number that is free
-            setattr(sys, name, open(os.devnull, "w" if number else "r"))  # noqa: SIM115
+            # It gets the lowest number that is free, and that is the stream's, taken in this order.
+            setattr(sys, name, open(os.devnull, mode))  # noqa: SIM115
 
 
 def missing(stream: TextIO | None) -> bool:

@@ -25,8 +25,8 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 OLD = b"the only copy of something"
 WORDS = "fill picture.png --rect 20,20,260,200 -o out.png --overwrite -q".split()
 STOPPED = {
-    # code of the shell, or signal before Python listens to it
-    signal.SIGINT: (130, -signal.SIGINT),
+    # code of the shell, or signal before Python listens to it; or 1, when Python itself was still being loaded
+    signal.SIGINT: (130, -signal.SIGINT, 1),
     signal.SIGTERM: (143, -signal.SIGTERM),
     signal.SIGHUP: (129, -signal.SIGHUP),
     signal.SIGKILL: (-signal.SIGKILL,),

@@ -528,3 +528,26 @@ def test_what_a_format_cannot_hold_is_refused_by_the_writer_too(tmp_path):
     with pytest.raises(OutputError, match="JPEG cannot hold the 2 channels"):
         images.write(target, picture(GREY_ALPHA[:, :, 0], alpha=np.ascontiguousarray(GREY_ALPHA[:, :, 1])))
     assert names(tmp_path) == []
+
+
+@pytest.mark.parametrize("form", [formats.JPEG, formats.WEBP], ids=by_name)
+def test_quality_trades_size_for_exactness(tmp_path, form):
+    sizes, errors = [], []
+    for quality in (10, 60, 95, None):
+        target = images.prepare(tmp_path / f"{quality}{form.extensions[0]}", quality=quality)
+        images.write(target, picture(RGB))
+        sizes.append(target.path.stat().st_size)
+        errors.append(np.abs(images.read(target.path).pixels.astype(int) - RGB).mean())
+    assert sizes[:3] == sorted(sizes[:3])
+    assert errors[:3] == sorted(errors[:3], reverse=True)
+    assert (sizes[3], errors[3]) == (sizes[2], errors[2]) if form is formats.JPEG else errors[3] == 0
+
+
+def test_indices_are_read_as_they_are_stored():
+    indexed = Image.fromarray(RGB).quantize(7)
+    file = io.BytesIO()
+    indexed.save(file, "PNG")
+    np.testing.assert_array_equal(images.decode_indices(file.getvalue(), "a"), np.asarray(indexed))
+    np.testing.assert_array_equal(images.decode_indices(encoded(GREY), "a"), GREY)
+    with pytest.raises(InputError, match="a picture without a palette; its pixels have no index"):
+        images.decode_indices(encoded(RGB), "a")

@@ -43,8 +43,8 @@ def write(target: Target, picture: Picture, before_commit: Committing = None) ->
     picture
         What to write; what belongs to it goes along as far as the format can hold it, see `fitting`.
     before_commit
-        Called when all is on the disk but the name, or before the first byte goes into a stream: from here on the
-        run is not to be stopped any more.
+        Called when all is on the disk but the name, or when a stream has taken all: from here on the run is not to
+        be stopped any more.
 
     Raises
     ------
@@ -57,7 +57,9 @@ def write(target: Target, picture: Picture, before_commit: Committing = None) ->
     try:
         data = encode(picture, target.form, target.quality)
         if target.stream:
-            _send(data, target.real, before_commit)
+            _send(data, target.real)
+            if before_commit is not None:
+                before_commit()
         else:
             assert target.real is not None
             save(data, target.real, overwrite=target.overwrite, before_commit=before_commit)
@@ -111,18 +113,13 @@ def fitting(metadata: Metadata, form: Format) -> tuple[Metadata, tuple[Kind, ...
     return dataclasses.replace(metadata, **dict.fromkeys(stay)), tuple(stay)
 
 
-def _send(data: bytes, path: Path | None, before_commit: Committing) -> None:
+def _send(data: bytes, path: Path | None) -> None:
     """Write into the standard output (None), a pipe or a device: all of it, as far as they take it."""
     if path is None:
-        if before_commit is not None:
-            before_commit()
         sys.stdout.flush()
         _write_all(sys.stdout.buffer, data)
         return
-    # A pipe is opened as soon as somebody reads it; until then the run can be stopped.
     with open(path, "wb", buffering=0, opener=lambda name, flags: os.open(name, os.O_WRONLY)) as file:
-        if before_commit is not None:
-            before_commit()
         _write_all(file, data)
 
 
