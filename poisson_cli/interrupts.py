@@ -12,21 +12,15 @@ import time
 from types import FrameType
 from typing import Final
 
-__all__ = ["HungUp", "Terminated", "finishing", "listen"]
+from poisson_cli.errors import HungUp, Terminated
+
+__all__ = ["finishing", "listen"]
 
 finishing: Final = threading.Event()
 """Set when the output is about to take its name; a signal has no effect any more."""
 
 _ECHO: Final = 0.5
 """Seconds in which a second signal counts as the first one, sent to the process and to its group."""
-
-
-class Terminated(BaseException):
-    """SIGTERM arrived. Like `KeyboardInterrupt`, it passes every ``except Exception`` and runs every ``finally``."""
-
-
-class HungUp(BaseException):
-    """SIGHUP arrived: the terminal is gone."""
 
 
 _KINDS: Final[dict[str, type[BaseException]]] = {

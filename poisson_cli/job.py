@@ -24,7 +24,7 @@ from poisson_cli.images import Asking, Depth, Picture, Target
 from poisson_cli.masks import Canvas, leave_out_transparent, select
 from poisson_cli.settings import Edges, Inputs, Output, Placement, Selection, Solver, Then
 
-__all__ = ["Job", "Progress", "Summary", "run", "run_together"]
+__all__ = ["Job", "Progress", "Summary", "outputs", "run", "run_together"]
 
 Progress = Callable[[int, float], None]
 """Called as the solver goes, with the cycles or sweeps so far and the estimated error in levels."""
@@ -108,6 +108,17 @@ class Summary:
     beside: Mapping[str, Path] = field(default_factory=dict)
     guarded: bool = False
     notices: tuple[str, ...] = ()
+
+
+def outputs(job: Job) -> dict[str, Path]:
+    """Every file that a job writes, by what it shows: ``"result"`` first, then ``"edges"`` and ``"preview"``."""
+    edges = _edges(job)
+    wanted = {
+        "result": job.output.path,
+        "edges": None if edges is None else edges.show,
+        "preview": job.preview,
+    }
+    return {what: path for what, path in wanted.items() if path is not None}
 
 
 def run(
@@ -203,12 +214,6 @@ class _Made(NamedTuple):
 
 def _targets(job: Job) -> dict[str, Target]:
     """Look at everything that will be written, before any work is done for it."""
-    edges = _edges(job)
-    wanted = {
-        "result": job.output.path,
-        "edges": None if edges is None else edges.show,
-        "preview": job.preview,
-    }
     return {
         what: images.prepare(
             path,
@@ -216,8 +221,7 @@ def _targets(job: Job) -> dict[str, Target]:
             form=job.output.format if what == "result" else None,
             quality=job.output.quality if what == "result" else None,
         )
-        for what, path in wanted.items()
-        if path is not None
+        for what, path in outputs(job).items()
     }
 
 

@@ -83,16 +83,13 @@ def run(argv: Sequence[str]) -> int:
     except click.ClickException as error:
         error.show()
         return error.exit_code
-    except errors.PoissonError as error:
-        _print_error(str(error))
-        return error.exit_code
     except BrokenPipeError:
         return errors.BROKEN_PIPE
-    except MemoryError:
-        _print_error("not enough memory for pictures of this size")
-        return errors.BUG
     except Exception as error:
-        if chatter.verbose:
+        code, message = errors.verdict(error)
+        if isinstance(error, (errors.PoissonError, MemoryError)):
+            _print_error(message)
+        elif chatter.verbose:
             import traceback
 
             traceback.print_exc()
@@ -100,10 +97,8 @@ def run(argv: Sequence[str]) -> int:
                 f"unexpected {type(error).__name__}; this is a bug, please report it with the lines above"
             )
         else:
-            _print_error(
-                f"unexpected {type(error).__name__}: {error}; this is a bug, -v shows where it happened"
-            )
-        return errors.BUG
+            _print_error(f"{message}, -v shows where it happened")
+        return code
     return errors.DONE
 
 
@@ -127,10 +122,10 @@ def main() -> None:
     except KeyboardInterrupt:
         _print_error("interrupted")
         code = errors.INTERRUPTED
-    except interrupts.Terminated:
+    except errors.Terminated:
         _print_error("terminated")
         code = errors.TERMINATED
-    except interrupts.HungUp:
+    except errors.HungUp:
         code = errors.HUNG_UP
     except BrokenPipeError:
         code = errors.BROKEN_PIPE

@@ -14,7 +14,32 @@ from poisson_cli.images import Picture
 from poisson_cli.masks import Canvas, select, show
 from poisson_cli.settings import Inputs, Output, Selection
 
-__all__ = ["MaskSummary", "run"]
+__all__ = ["MaskJob", "MaskSummary", "run"]
+
+
+@dataclass(frozen=True)
+class MaskJob:
+    """What to select, and where to write it.
+
+    Parameters
+    ----------
+    image
+        The picture that it is drawn on.
+    selection
+        Which pixels.
+    output
+        Where to write it.
+    over
+        Show it on the picture, instead of writing a mask of 0 and 255.
+    inputs
+        How pictures are read.
+    """
+
+    image: Path
+    selection: Selection
+    output: Output
+    over: bool = False
+    inputs: Inputs = Inputs()
 
 
 @dataclass(frozen=True)
@@ -42,29 +67,22 @@ class MaskSummary:
     notices: tuple[str, ...] = ()
 
 
-def run(
-    image: Path, selection: Selection, output: Output, inputs: Inputs = Inputs(), *, over: bool = False
-) -> MaskSummary:
+def run(job: MaskJob, before_commit: images.Committing = interrupts.finishing.set) -> MaskSummary:
     """Write a selection.
 
     Parameters
     ----------
-    image
-        The picture that it is drawn on.
-    selection
-        Which pixels.
-    output
-        Where to write it.
-    inputs
-        How pictures are read.
-    over
-        Show it on the picture, instead of writing a mask of 0 and 255.
+    job
+        What to do.
+    before_commit
+        As in `poisson_cli.job.run`.
 
     Raises
     ------
     InputError, OutputError
         Nothing was written.
     """
+    image, output, over = job.image, job.output, job.over
     target = images.prepare(
         output.path, overwrite=output.overwrite, form=output.format, quality=output.quality
     )
@@ -72,9 +90,9 @@ def run(
         raise OutputError(
             f"{output.path}: {target.form.name} would blur the mask; choose another format, such as PNG"
         )
-    with images.asking(inputs.page, inputs.max_pixels) as asking:
+    with images.asking(job.inputs.page, job.inputs.max_pixels) as asking:
         picture = images.read(image)
-        selected = select(selection, Canvas("image", picture))
+        selected = select(job.selection, Canvas("image", picture))
         asking.refuse_unpaged()
     mask = selected.mask
     if over:
@@ -85,7 +103,7 @@ def run(
     else:
         shown = Picture(picture.name, np.where(mask, np.uint8(255), np.uint8(0)))
     shown, _ = shown.converted(output.bit_depth or "8")
-    images.write(target, shown, interrupts.finishing.set)
+    images.write(target, shown, before_commit)
     rows, cols = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     return MaskSummary(
         selected=int(np.count_nonzero(mask)),

@@ -37,6 +37,7 @@ def command(
       poisson mask cup.jpg --ellipse 40,40,200,180 --subtract --ellipse 70,65,140,130 \\
         --add -m handle.json:handle --subtract --rect 0,300,640,180 --over -o look.png
     """
-    from poisson_cli import masking, report
+    from poisson_cli import attended
+    from poisson_cli.masking import MaskJob
 
-    report.tell_mask(masking.run(image, selection, output, inputs, over=over), reporting)
+    attended.run([MaskJob(image, selection, output, over, inputs)], reporting)

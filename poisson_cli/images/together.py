@@ -84,7 +84,7 @@ def _undoing(target: Target) -> Iterator[Callable[[], None]]:
         yield lambda: None  # what has gone into a pipe is gone
         return
     real = target.real
-    kept = real.with_name(f".poisson-{os.urandom(8).hex()}.old")
+    kept = real.with_name(f".poisson-{os.getpid()}-{os.urandom(8).hex()}.old")
 
     def undo() -> None:
         if kept.exists():

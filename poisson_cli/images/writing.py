@@ -153,7 +153,7 @@ def save(data: bytes, path: Path, *, overwrite: bool, before_commit: Committing 
         If it cannot be written.
     """
     # The name is settled before the file exists, so that no signal can come between the file and its removal.
-    temporary = path.with_name(f".poisson-{os.urandom(8).hex()}.tmp")
+    temporary = path.with_name(f".poisson-{os.getpid()}-{os.urandom(8).hex()}.tmp")
     try:
         with open(temporary, "xb") as file:
             if overwrite and path.exists():
