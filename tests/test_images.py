@@ -387,6 +387,14 @@ def test_warnings_about_metadata_do_not_reach_the_terminal():
     assert decode(data).shape == RGB.shape[:2]
 
 
+def test_a_png_with_a_second_header_is_refused():
+    data = png(8, 0, [b"\0\1"], 2)
+    second = bytearray(data[8:33])
+    second[8:16] = struct.pack(">II", 30_000, 30_000)
+    second[21:25] = struct.pack(">I", zlib.crc32(bytes(second[4:21])))
+    assert "damaged" in refusal(data[:33] + bytes(second) + data[33:])
+
+
 def test_a_name_is_only_ever_a_file(tmp_path, monkeypatch):
     """The library under us would open the first three of these."""
     monkeypatch.chdir(tmp_path)

@@ -50,6 +50,8 @@ def decode(data: bytes, name: str, form: Format, *, indices: bool = False) -> De
     row = (width * bits * _SAMPLES.get(colour, 1) + 7) // 8
     refuse_hollow(name, height * row, len(data), DEFLATE_RATIO)
     with pillow.opened(data, form) as image:
+        if image.size != (width, height):
+            raise ValueError("two headers that differ")
         page = raster.page_of(image, name)
         if page:
             image.seek(page)
