@@ -1,6 +1,6 @@
-"""`python -m benchmarks [paper | tools | convergence | sizes | shapes | memory | startup | batch]`: parse, hand over.
+"""`python -m benchmarks [paper | tools | convergence | sizes | shapes | memory | startup | threads | batch]`.
 
-Whatever is timed has one thread.
+One thread each, but for the last two; this module only parses and hands over.
 
 Exit codes: 0 every answer was right, 1 some answer was wrong (the table says which), 2 usage.
 """
@@ -87,6 +87,24 @@ def parser() -> argparse.ArgumentParser:
     )
     memory.add_argument(
         "--megapixels", type=float, default=16.0, metavar="N", help="size of the crop (default: %(default)s)"
+    )
+    threads = commands.add_parser(
+        "threads", parents=[shared, timed], help="1, 4 and 16 M unknowns with one thread and with several"
+    )
+    threads.add_argument(
+        "--threads",
+        type=int,
+        nargs="+",
+        default=[2],
+        metavar="N",
+        help="numbers to compare with one (default: 2)",
+    )
+    threads.add_argument(
+        "--largest",
+        type=int,
+        default=16_000_000,
+        metavar="N",
+        help="leave out larger sizes (default: %(default)s)",
     )
     startup = commands.add_parser(
         "startup", parents=[shared], help="whole processes: a clone, the help, the first run"

@@ -1,4 +1,4 @@
-"""Exact Poisson image editing: seamless cloning, mixing and filling on selections of any shape.
+"""Exact Poisson image editing: seamless cloning, and editing in place, on selections of any shape.
 
 The functions take arrays and return the edited image::
 

@@ -22,9 +22,10 @@ def announce(*, quiet: bool) -> None:
     library.listener = None if quiet else _say
 
 
-def _say(seconds: float | None) -> None:
+def _say(volume: str, seconds: float | None) -> None:
+    what = "for this machine" if volume == "usual" else "for selections or pictures of this kind"
     text = (
-        "compiling the solver for this machine; this is done once"
+        f"compiling the solver {what}; this is done once"
         if seconds is None
         else f"compiled in {seconds:.1f} s"
     )

@@ -11,6 +11,7 @@ code  meaning
 3     `InputError`: an input cannot be read, or makes no sense
 4     `OutputError`: the output cannot be written
 5     `NotConverged`: the iterations ran out before the tolerance was reached
+129   the terminal hung up (SIGHUP)
 130   interrupted from the keyboard (SIGINT)
 141   whoever read our output stopped listening (SIGPIPE)
 143   asked to stop (SIGTERM)
@@ -28,10 +29,12 @@ __all__ = [
     "BROKEN_PIPE",
     "BUG",
     "DONE",
+    "HUNG_UP",
     "INTERRUPTED",
     "SOME_FAILED",
     "TERMINATED",
     "USAGE",
+    "HungUp",
     "InputError",
     "NotConverged",
     "OutputError",
@@ -45,6 +48,7 @@ DONE: Final = 0
 BUG: Final = 1
 SOME_FAILED: Final = 1
 USAGE: Final = 2
+HUNG_UP: Final = 129
 INTERRUPTED: Final = 130
 BROKEN_PIPE: Final = 141
 TERMINATED: Final = 143
@@ -78,12 +82,18 @@ class Terminated(BaseException):
     """SIGTERM arrived. Like `KeyboardInterrupt`, it passes every ``except Exception`` and runs every ``finally``."""
 
 
+class HungUp(BaseException):
+    """SIGHUP arrived: the terminal is gone."""
+
+
 def code_of(error: BaseException) -> int:
     """The exit code of whatever ends a run, signals included."""
     if isinstance(error, KeyboardInterrupt):
         return INTERRUPTED
     if isinstance(error, Terminated):
         return TERMINATED
+    if isinstance(error, HungUp):
+        return HUNG_UP
     return verdict(error)[0] if isinstance(error, Exception) else BUG
 
 

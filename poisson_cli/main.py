@@ -16,11 +16,10 @@ import click
 
 from poisson_cli import __version__, commands, errors
 from poisson_cli.options import Chatter
-from poisson_cli.streams import silence
+from poisson_cli.streams import complete, printable, silence
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from types import FrameType
 
 __all__ = ["cli", "main", "run"]
 
@@ -63,7 +62,7 @@ def run(argv: Sequence[str]) -> int:
     """Run one command line in this process.
 
     Errors are printed as the real process prints them. An interrupt is not one of them: `KeyboardInterrupt` and
-    `poisson_cli.errors.Terminated` pass through, because they are meant for the whole process.
+    its like pass through, because they are meant for the whole process.
 
     Parameters
     ----------
@@ -105,13 +104,18 @@ def run(argv: Sequence[str]) -> int:
 
 def main() -> None:
     """Be the process ``poisson``: run the command line and exit with its code."""
+    complete()
     if "_POISSON_COMPLETE" in os.environ:  # a shell asks what could come next
         cli.main(prog_name="poisson")
     # No thread pool that nobody asked for: it costs more to set up than a clone takes.  Read when numpy is loaded.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    import signal
+    import gc
 
-    signal.signal(signal.SIGTERM, _raise_terminated)
+    from poisson_cli import interrupts
+
+    # The collector would go through what the imports make, which is there to stay, again and again: 15 ms.
+    gc.set_threshold(100_000)
+    interrupts.listen()
     try:
         code = run(sys.argv[1:])
         sys.stdout.flush()
@@ -121,6 +125,8 @@ def main() -> None:
     except errors.Terminated:
         _print_error("terminated")
         code = errors.TERMINATED
+    except errors.HungUp:
+        code = errors.HUNG_UP
     except BrokenPipeError:
         code = errors.BROKEN_PIPE
     if code == errors.BROKEN_PIPE:
@@ -139,10 +145,7 @@ def _leave_at_once(code: int) -> None:
     os._exit(code)
 
 
-def _raise_terminated(_signal: int, _frame: FrameType | None) -> None:
-    raise errors.Terminated
-
-
 def _print_error(message: str) -> None:
     """One line on stderr, whatever line breaks the message has."""
-    click.echo(f"poisson: error: {' '.join(message.split())}", err=True)
+    with contextlib.suppress(OSError):  # nobody listens: the exit code says it as well
+        click.echo(f"poisson: error: {printable(' '.join(message.split()))}", err=True)

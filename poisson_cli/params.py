@@ -29,6 +29,7 @@ __all__ = [
     "POINT",
     "POLYGON",
     "POSITIVE",
+    "QUALITY",
     "RECTANGLE",
     "SHARD",
     "SIZE",
@@ -129,9 +130,13 @@ class _File(click.ParamType):  # type: ignore[type-arg]
     def convert(self, value: str | Path, param: click.Parameter | None, ctx: click.Context | None) -> Path:
         from pathlib import Path
 
+        from poisson_cli.streams import STANDARD
+
         if "\0" in str(value):
             self.fail("a path cannot hold a null character", param, ctx)
-        return Path(value)
+        path = Path(value)
+        # `Path` takes ./- for -, which stands for the standard streams.
+        return path.absolute() if str(path) == STANDARD != str(value) else path
 
     def shell_complete(
         self, ctx: click.Context, param: click.Parameter, incomplete: str
@@ -273,6 +278,7 @@ ELLIPSE: Final = _Ellipse("X,Y,W,H", "10,20,300,200")
 POLYGON: Final = _Polygon("even-odd")
 LASSO: Final = _Polygon("nonzero")
 EIGHT_BIT: Final = _Between(1, 255)
+QUALITY: Final = _Between(1, 100)
 COUNT: Final = _Between(1, 999_999_999)
 NUMBER: Final = _Number("", lambda number: not math.isnan(number))
 NOT_NEGATIVE: Final = _Number(", 0 or greater", lambda number: number >= 0)

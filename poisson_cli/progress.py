@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import shutil
 import sys
 import threading
 import time
@@ -41,6 +40,8 @@ class Overwritten:
 
     def write(self, text: str) -> None:
         """Write over what is there: with blanks, since not every terminal knows how to erase."""
+        import shutil
+
         text = text[: shutil.get_terminal_size().columns - 1]
         with self._lock:
             if self._closed or not (text or self._width):

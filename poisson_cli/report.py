@@ -5,14 +5,15 @@ Rows and columns are turned back into X,Y here, as `params` turned them the othe
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from typing import TYPE_CHECKING, Any, Final, TextIO
 
-from poisson_cli.streams import silence
+from poisson_cli.streams import STANDARD, printable, silence
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from poisson_cli.editing import EditReport
     from poisson_cli.job import Summary
     from poisson_cli.masking import MaskSummary
@@ -49,13 +50,15 @@ def tell(summary: Summary, reporting: Reporting) -> None:
     """
     if not reporting.quiet:
         for notice in summary.notices:
-            _print(f"poisson: note: {notice}", sys.stderr)
+            _print(f"poisson: note: {printable(notice)}", sys.stderr)
         _print(line(summary), sys.stderr)
         if reporting.verbose:
             _print(details(summary), sys.stderr)
         for hint in hints(summary):
             _print(f"poisson: hint: {hint}", sys.stderr)
     if reporting.json:
+        import json
+
         _print(json.dumps(as_dict(summary)), sys.stdout)
 
 
@@ -71,16 +74,18 @@ def tell_mask(summary: MaskSummary, reporting: Reporting) -> None:
     """
     if not reporting.quiet:
         for notice in summary.notices:
-            _print(f"poisson: note: {notice}", sys.stderr)
+            _print(f"poisson: note: {printable(notice)}", sys.stderr)
         _print(mask_line(summary), sys.stderr)
     if reporting.json:
+        import json
+
         _print(json.dumps(mask_as_dict(summary)), sys.stdout)
 
 
 def _print(text: str, stream: TextIO) -> None:
     try:
         print(text, file=stream, flush=True)
-    except BrokenPipeError:
+    except OSError:  # nobody reads it, or there is no room for it
         silence(stream)
 
 
@@ -103,7 +108,7 @@ def line(summary: Summary) -> str:
     method = edit.solver if edit.cycle is None else edit.method.replace(",", "")
     parts = [
         f"{edit.tool}: {_counted(edit.unknowns, 'pixel')} at {col},{row} ({width}x{height})",
-        f"{method} x {edit.iterations}",
+        f"{method} x {edit.iterations}" if edit.iterations else method,
         _error(edit),
     ]
     if edit.floating and summary.selected is not None:  # of a whole picture that is understood
@@ -119,8 +124,8 @@ def line(summary: Summary) -> str:
     if summary.profile_dropped:
         parts.append("colour profile dropped: the format cannot hold it")
     parts.append(_duration(sum(summary.seconds.values())))
-    beside = "".join(f", {what} -> {path}" for what, path in summary.beside.items())
-    return f"{', '.join(parts)} -> {summary.output}{beside}"
+    beside = "".join(f", {what} -> {printable(str(path))}" for what, path in summary.beside.items())
+    return f"{', '.join(parts)} -> {_named(summary.output)}{beside}"
 
 
 def hints(summary: Summary) -> list[str]:
@@ -177,7 +182,7 @@ def details(summary: Summary) -> str:
         ("error", f"{edit.error_estimate:.2g} levels estimated{proven}, {edit.tolerance:.2g} allowed")
     )
     farthest = f", by {edit.overshoot:.1f} levels at most" if edit.overshoot > 0 else ""
-    rows.append(("clipped", f"{_counted(edit.clipped, 'value')} outside 0..255{farthest}"))
+    rows.append(("clipped", f"{_counted(edit.clipped, 'value')} outside the picture's range{farthest}"))
     rows.append(
         ("stages", ", ".join(f"{name} {_duration(spent)}" for name, spent in summary.seconds.items()))
     )
@@ -250,7 +255,7 @@ def mask_line(summary: MaskSummary) -> str:
     """
     row, col, height, width = summary.rectangle
     pixels = f"{summary.selected:,} of {_counted(summary.pixels, 'pixel')}"
-    return f"mask: {pixels} at {col},{row} ({width}x{height}) -> {summary.output}"
+    return f"mask: {pixels} at {col},{row} ({width}x{height}) -> {_named(summary.output)}"
 
 
 def mask_as_dict(summary: MaskSummary) -> dict[str, Any]:
@@ -270,6 +275,11 @@ def mask_as_dict(summary: MaskSummary) -> dict[str, Any]:
         "rectangle": {"x": col, "y": row, "width": width, "height": height},
         "notices": list(summary.notices),
     }
+
+
+def _named(path: Path) -> str:
+    """Where a result went."""
+    return "standard output" if str(path) == STANDARD else printable(str(path))
 
 
 def _error(edit: EditReport) -> str:

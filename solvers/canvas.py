@@ -8,7 +8,7 @@ between one step and the next.  A `Canvas` does that; `Arrays` is the canvas of 
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,12 +49,44 @@ class Equations:
     rhs: Values | None = None
 
 
+@dataclass(frozen=True)
+class Rim:
+    """All that the equations of an image hold, where the first guess and v are zero.
+
+    Attributes
+    ----------
+    row, col : (n,) int64
+        The known pixels with a neighbour in the region.
+    values : (n, C) float32
+        What they hold.
+    """
+
+    row: NDArray[np.int64]
+    col: NDArray[np.int64]
+    values: NDArray[np.float32]
+
+
 # Adds the correction in place to rows (n, W, C) of the first guess, the first of which is the given row of the image.
 Correct = Callable[[Values, int], None]
 
+T = TypeVar("T")
+
+
+class Share(Protocol):
+    """Calls an operation for ranges of rows, ``operation(first, end)``, that make up the image: several at a time.
+
+    `first` is even, and so is `end` unless it is the height.  Returns what the calls returned, from the top.
+    """
+
+    def __call__(self, operation: Callable[[int, int], T], /) -> list[T]:
+        """Returns when all calls have."""
+
 
 class Canvas(Protocol):
-    """The numbers of a problem, (H, W, C) of them, in bands of rows."""
+    """The numbers of a problem, (H, W, C) of them, in bands of rows.
+
+    Several threads may ask for equations at the same time, each for rows of its own.
+    """
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -67,18 +99,24 @@ class Canvas(Protocol):
         float32 then holds every sum that an equation asks for exactly.
         """
 
-    def equations(self) -> Iterator[Equations]:
-        """All bands, from the top; asked for more than once.  A band is done with when the next one is asked for."""
+    def equations(self, first: int, end: int) -> Iterator[Equations]:
+        """The bands of rows first ... end - 1 of the image, from the top; asked for more than once.
 
-    def paint(self, correct: Correct) -> NDArray[Any]:
+        `first` is even, and so is `end` unless it is the height.  A band is done with when the next one is asked for.
+        """
+
+    def rim(self) -> Rim | None:
+        """Instead of the equations, if these are small integers and all zero but for known values; else None."""
+
+    def paint(self, correct: Correct, share: Share) -> NDArray[Any]:
         """The first guess, corrected: what the solver returns as its solution."""
 
 
-def bands(height: int, row: int) -> Iterator[tuple[int, int]]:
-    """First and end row of each band of an image of `height` rows of `row` values."""
+def bands(first: int, end: int, row: int) -> Iterator[tuple[int, int]]:
+    """First and end row of each band of rows first ... end - 1, of `row` values each; `first` is even."""
     rows = max(FEWEST_ROWS, BAND // row & ~1)
-    for first in range(0, height, rows):
-        yield first, min(first + rows, height)
+    for top in range(first, end, rows):
+        yield top, min(top + rows, end)
 
 
 class Arrays:
@@ -108,15 +146,23 @@ class Arrays:
         height, width, channels = with_channels(self.values).shape
         return height, width, channels
 
-    def equations(self) -> Iterator[Equations]:
-        """The whole image as one band."""
+    def equations(self, first: int, end: int) -> Iterator[Equations]:
+        """One band; its arrays are the whole image's."""
         v = (None if array is None else with_channels(array) for array in (self.across, self.down, self.rhs))
-        yield Equations(0, len(self.values), 0, with_channels(self.values), *v)
+        yield Equations(first, end, 0, with_channels(self.values), *v)
 
-    def paint(self, correct: Correct) -> Values:
+    def rim(self) -> None:
+        """Nobody has looked."""
+
+    def paint(self, correct: Correct, share: Share) -> Values:
         """The values plus the correction, of the values' shape and dtype."""
-        solution: Values = self.values.copy()
-        correct(with_channels(solution), 0)
+        solution: Values = np.empty_like(self.values)
+
+        def rows(first: int, end: int) -> None:
+            solution[first:end] = self.values[first:end]
+            correct(with_channels(solution)[first:end], first)
+
+        share(rows)
         return solution
 
 
@@ -125,7 +171,7 @@ def gather(canvas: Canvas) -> Arrays:
     if isinstance(canvas, Arrays):
         return canvas
     parts: dict[str, list[Values]] = {"values": [], "across": [], "down": [], "rhs": []}
-    for band in canvas.equations():
+    for band in canvas.equations(0, canvas.shape[0]):
         for name, part in parts.items():
             array = getattr(band, name)
             if array is not None:  # the band's own rows; a pair downwards is counted to its upper row

@@ -1,18 +1,23 @@
 """The correction to a first guess: what the solvers iterate on, held in float32, with its residual in float64."""
 
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solvers.canvas import Values, with_channels
+from solvers.canvas import Correct, Values, with_channels
 from solvers.hierarchy import Hierarchy, build_hierarchy
 from solvers.kernels import exact as kernels
 from solvers.layout import Float32, field_size
 from solvers.memory import Arena
+from solvers.narrow import DirectSolution
 from solvers.problem import PoissonProblem
+from solvers.team import Team
 from solvers.tolerance import LARGEST_ROW_SUM
+
+T = TypeVar("T")
 
 
 @dataclass
@@ -21,65 +26,87 @@ class Correction:
 
     Attributes
     ----------
+    team : Team
+        Who does the work here; no bit depends on how many they are.
     total, x, b : float32
         Fields of `channels` channels; x and b on all levels of the hierarchy, total on the finest.
     exact : bool
         Whether b_0 is exact in float32, as it is for 8- and 16-bit pictures.  b then follows total by subtraction; else
         b is assembled anew, because a rounded b_0 has a solution of its own.
+    direct : DirectSolution or None
+        The correction in parts of the region that the hierarchy leaves out.
     """
 
     problem: PoissonProblem
     hierarchy: Hierarchy
+    team: Team
     total: Float32
     x: Float32
     b: Float32
     exact: bool = True
+    direct: DirectSolution | None = None
+    _pieces: list[NDArray[np.int64]] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        h, channels = self.hierarchy, self.problem.channels
+        self._pieces = self.team.pieces(h.finest_segments, 0, h.unknowns[0] * channels)
 
     @classmethod
-    def of(cls, problem: PoissonProblem, arena: Arena) -> "Correction":
-        """u = 0, with the right-hand side of the problem; it lives in the arena."""
-        region = problem.region
+    def of(
+        cls, problem: PoissonProblem, arena: Arena, team: Team, direct: DirectSolution | None = None
+    ) -> "Correction":
+        """u = 0 but where it is known already, with the right-hand side of the problem; it lives in the arena."""
+        region = problem.region if direct is None else direct.rest()
         if problem.floating:
             # The equations fix all but a constant.  One pixel is held, the constant is set at the end.
             region = region.copy()
             region[region.shape[0] // 2, region.shape[1] // 2] = False
-        hierarchy = build_hierarchy(region, arena, screening=problem.screening)
+        hierarchy = build_hierarchy(region, arena, team, screening=problem.screening)
         arena.reclaim()  # what was needed on the way there is 5 bytes per pixel
         channels, table = problem.channels, hierarchy.table
         correction = cls(
             problem,
             hierarchy,
+            team,
             total=arena.zeros(field_size(table, channels, levels=1)),
             x=arena.zeros(field_size(table, channels)),
             b=arena.zeros(field_size(table, channels)),
+            direct=direct,
         )
-        correction.exact = correction.assemble()
+        rim = problem.canvas.rim()
+        if rim is None:
+            correction.exact = correction.assemble()
+        else:
+            kernels.assemble_rim(correction.b, rim.values, rim.row, rim.col, hierarchy.weight, table)
         return correction
 
     def assemble(self, *, corrected: bool = False) -> bool:
         """b <- the problem's residual at the first guess, or at that + total; whether float32 held it exactly."""
         canvas, h = self.problem.canvas, self.hierarchy
         _, width, channels = canvas.shape
-        line = np.empty(width * channels, np.float32 if canvas.small_integers else np.float64)
         total = self.total if corrected else self.total[:0]
-        exact = True
-        for band in canvas.equations():
-            v = [_or_nothing(array, band.values) for array in (band.across, band.down, band.rhs)]
-            rows = band.top, band.first, band.end
-            where = h.weight, h.diagonal, _runs_of(h.finest_runs, band.first, band.end), h.table
-            exact &= bool(kernels.assemble(self.b, line, total, band.values, *v, *rows, *where))
-        return exact
+
+        def rows(first: int, end: int) -> bool:
+            line64 = np.empty(width * channels)
+            exact = True
+            for band in canvas.equations(first, end):
+                v = [_or_nothing(array, band.values) for array in (band.across, band.down, band.rhs)]
+                at = band.top, band.first, band.end
+                where = h.weight, h.diagonal, _runs_of(h.finest_runs, band.first, band.end), h.table
+                exact &= bool(kernels.assemble(self.b, line64, total, band.values, *v, *at, *where))
+            return exact
+
+        return all(shared_rows(self.problem, self.team, rows))
 
     def next_stage(self) -> None:
         """total <- total + x, b <- b - A x, x <- 0."""
-        h = self.hierarchy
-        where = h.finest_segments, h.table, self.problem.channels
-        kernels.fold(self.total, self.x, *where)
+        where = self.hierarchy.table, self.problem.channels
+        self.team.run(kernels.fold, [(self.total, self.x, piece, *where) for piece in self._pieces])
         if self.exact:
             self._residual(keep=False)
         else:
             self.assemble(corrected=True)
-        kernels.clear(self.x, *where)
+        self.team.run(kernels.clear, [(self.x, piece, *where) for piece in self._pieces])
 
     def least_error(self) -> float:
         """A lower bound of the largest error, from the true residual, in float64."""
@@ -87,30 +114,34 @@ class Correction:
 
     def _residual(self, *, keep: bool) -> float:
         h = self.hierarchy
-        scratch64 = np.empty(h.longest_segment)
-        where = h.weight, h.diagonal, h.finest_segments, h.table, self.problem.channels
-        bits = kernels.subtract_image(self.b, scratch64, self.x, *where, keep)
+
+        def subtract(piece: NDArray[np.int64]) -> int:
+            scratch64 = np.empty(h.longest_segment)
+            where = h.weight, h.diagonal, piece, h.table, self.problem.channels
+            return int(kernels.subtract_image(self.b, scratch64, self.x, *where, keep))
+
+        bits = max(self.team.run(subtract, [(piece,) for piece in self._pieces]))
         return float(np.int64(bits).view(np.float64))
 
-    def solution(self, dtype: type[np.floating[Any]] | None = None) -> Values:
-        """What the problem's canvas makes of the correction; with `dtype`: first guess + correction, of that dtype.
+    def solution(self) -> Values:
+        """First guess + correction, as the problem's canvas paints it."""
+        return corrected(self.problem, self.adding(), self.team)
 
-        Of a problem that was given as arrays both are its values plus the correction, the same bits outside the region.
-        """
-        if dtype is None:
-            return self.problem.canvas.paint(self.add_to)
-        solution: Values = self.problem.values.astype(dtype)
-        self.add_to(with_channels(solution), 0)
-        return solution
-
-    def add_to(self, guess: Values, top: int) -> None:
-        """Adds the correction to rows (n, W, C) of the first guess, the first of which is row `top` of the image."""
+    def adding(self) -> Correct:
+        """What adds the correction to rows of the first guess."""
         h = self.hierarchy
-        runs = _runs_of(h.finest_runs, top, top + len(guess))
-        line64 = np.empty(guess.shape[1] * guess.shape[2])
-        kernels.add_solution(guess, line64, self.total, self.x, top, runs, h.table)
-        if self.problem.floating:
-            guess -= self._drift().astype(guess.dtype)
+        drift = self._drift() if self.problem.floating else None
+
+        def add(guess: Values, top: int) -> None:
+            runs = _runs_of(h.finest_runs, top, top + len(guess))
+            line64 = np.empty(guess.shape[1] * guess.shape[2])
+            kernels.add_solution(guess, line64, self.total, self.x, top, runs, h.table)
+            if self.direct is not None:
+                self.direct.add_to(guess, top)
+            if drift is not None:
+                guess -= drift.astype(guess.dtype)
+
+        return add
 
     def _drift(self) -> NDArray[np.float64]:
         """The mean of the correction, per channel."""
@@ -118,6 +149,31 @@ class Correction:
         total, x = (u[: self.total.size].reshape(channels, -1) for u in (self.total, self.x))
         sums = total.sum(1, dtype=np.float64) + x.sum(1, dtype=np.float64)
         return np.asarray(sums / (height * width), np.float64)
+
+
+def corrected(
+    problem: PoissonProblem, correct: Correct, team: Team, dtype: type[np.floating[Any]] | None = None
+) -> Values:
+    """What the problem's canvas makes of a correction; with `dtype`: first guess + correction, of that dtype.
+
+    Of a problem that was given as arrays both are its values plus the correction, the same bits outside the region.
+    """
+
+    def share(operation: Callable[[int, int], T]) -> list[T]:
+        return shared_rows(problem, team, operation)
+
+    if dtype is None:
+        return problem.canvas.paint(correct, share)
+    solution: Values = problem.values.astype(dtype)
+    guess = with_channels(solution)
+    share(lambda first, end: correct(guess[first:end], first))
+    return solution
+
+
+def shared_rows(problem: PoissonProblem, team: Team, operation: Callable[[int, int], T]) -> list[T]:
+    """The operation on rows first ... end - 1 of the image, for ranges that make it up; see `canvas.Share`."""
+    height, width, channels = problem.canvas.shape
+    return team.run(operation, team.rows(height, height * width * channels))
 
 
 def _runs_of(runs: NDArray[np.int32], first: int, end: int) -> NDArray[np.int32]:

@@ -11,6 +11,7 @@ kernel runs the list.
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
@@ -19,7 +20,7 @@ from numpy.typing import NDArray
 from solvers.hierarchy import Hierarchy
 from solvers.kernels.cycle import COARSEST, DOWN, UP, run_steps
 from solvers.layout import FIRST_SEGMENT, LANES, STRIDE, Float32, aligned_zeros
-from solvers.team import WORTH_SHARING, Band, Team
+from solvers.team import LONG_CALL, WORTH_SHARING, Band, Team
 
 Cycle = Literal["V", "F", "W"]
 CYCLES: tuple[Cycle, ...] = get_args(Cycle)
@@ -47,8 +48,9 @@ class Cycling:
     """Cycles over one hierarchy, with the scratch memory that they need.
 
     A cycle is a list of calls of one kernel, which runs steps.  Large levels are visited in calls of their own, their
-    segments shared out among the team; steps on small levels that follow each other are one call.  A call stays well
-    below 0.2 s, so that signals are heard between them.
+    segments shared out among the team; what there is to do on small levels, and between the bands of large ones, is one
+    call by one thread as far as it follows each other.  A call stays well below 0.2 s, so that signals are heard
+    between them.
     """
 
     def __init__(self, hierarchy: Hierarchy, cycle: Cycle, channels: int, team: Team) -> None:
@@ -60,7 +62,7 @@ class Cycling:
         room = hierarchy.longest_segment + int(hierarchy.table[0, STRIDE]) + 2 * LANES
         self.scratch = [aligned_zeros(room) for _ in range(team.threads)]
         self.scratch64 = np.zeros(len(hierarchy.coarsest.band), np.float64)
-        large = WORTH_SHARING if team.threads > 1 else LONG_VISIT
+        large = WORTH_SHARING if team.threads > 1 else LONG_CALL
         self.n_large = sum(n * channels >= large for n in hierarchy.unknowns[:-1])
         self.calls = self._plan(cycle)
 
@@ -89,22 +91,24 @@ class Cycling:
         table = self.hierarchy.table
         first = table[:-1, FIRST_SEGMENT].tolist()
         end = table[1:, FIRST_SEGMENT].tolist()
-        phases = [_phases(self.hierarchy, level, self.team) for level in range(self.n_large)]
+        phases = [_phases(self.hierarchy, level, self.channels, self.team) for level in range(self.n_large)]
         calls: list[list[NDArray[np.int64]]] = []
-        together: list[list[int]] = []  # steps on small levels
+        alone: list[list[int]] = []  # steps for a single thread
         for step, level in walk(cycle, 0, self.hierarchy.n_levels - 1):
             if level >= self.n_large:
-                together.append(_whole(step, level, first[level], end[level]))
+                alone.append(_whole(step, level, first[level], end[level]))
                 continue
-            if together:
-                calls.append([np.array(together, np.int64)])
-                together = []
-            calls.extend(phases[level][step])
-        return [*calls, [np.array(together, np.int64)]] if together else calls
-
-
-# Values (unknowns times channels) from which a level is visited by itself even by a single thread: some 20 ms.
-LONG_VISIT = 10_000_000
+            for phase in phases[level][step]:
+                if phase.shared:
+                    calls += [[np.array(alone, np.int64)]] if alone else []
+                    alone = []
+                    calls += [
+                        [np.array([one], np.int64) for one in phase.steps[k : k + self.team.threads]]
+                        for k in range(0, len(phase.steps), self.team.threads)
+                    ]
+                else:
+                    alone += phase.steps
+        return [*calls, [np.array(alone, np.int64)]] if alone else calls
 
 
 def _whole(step: int, level: int, first: int, end: int) -> list[int]:
@@ -113,12 +117,20 @@ def _whole(step: int, level: int, first: int, end: int) -> list[int]:
     return [step, level, first, end if up else first, first, end, first, end, first, end if down else first]
 
 
-def _phases(hierarchy: Hierarchy, level: int, team: Team) -> dict[int, list[list[NDArray[np.int64]]]]:
-    """The calls of a step down and of a step up on a level that is shared out.
+@dataclass(frozen=True)
+class _Phase:
+    """Steps of which none touches what another one changes, and whether it pays to hand them out."""
 
-    Within a call no band touches what another one changes.  The wave of a band leaves out what borders on another band:
-    the black cells there wait until all red ones are done, the residuals until all black ones are; and interpolated
-    values there must stand before any red cell reads them.
+    steps: list[list[int]]
+    shared: bool
+
+
+def _phases(hierarchy: Hierarchy, level: int, channels: int, team: Team) -> dict[int, list[_Phase]]:
+    """What a step down and a step up are on a level that is shared out, one phase after the other.
+
+    Within a phase no step touches what another one changes.  The wave of a band leaves out what borders on another
+    band: the black cells there wait until all red ones are done, the residuals until all black ones are; and
+    interpolated values there must stand before any red cell reads them.
     """
     table = hierarchy.table
     first, end = int(table[level, FIRST_SEGMENT]), int(table[level + 1, FIRST_SEGMENT])
@@ -148,12 +160,16 @@ def _phases(hierarchy: Hierarchy, level: int, team: Team) -> dict[int, list[list
         black += [(none, none, (low, a), none), (none, none, (b, high), none)]
         residual += [(none, none, none, (low, c)), (none, none, none, (d, high))]
 
-    def calls(step: int, ranges: list[tuple[Band, Band, Band, Band]]) -> list[list[NDArray[np.int64]]]:
+    def between(step: int, ranges: list[tuple[Band, Band, Band, Band]]) -> _Phase:
+        """What is left between bands: a few rows, whose work seldom takes as long as it takes to hand it out."""
+        places = sum(int((ends - starts)[a - first : b - first].sum()) for r in ranges for a, b in r)
+        return _Phase(steps(step, ranges), shared=2 * channels * places >= WORTH_SHARING)
+
+    def steps(step: int, ranges: list[tuple[Band, Band, Band, Band]]) -> list[list[int]]:
         work = [r for r in ranges if any(a < b for a, b in r)]
-        steps = [np.array([[step, level, *(n for band in r for n in band)]], np.int64) for r in work]
-        return [steps[i : i + team.threads] for i in range(0, len(steps), team.threads)]
+        return [[step, level, *(n for band in r for n in band)] for r in work]
 
     return {
-        DOWN: [*calls(DOWN, wave_down), *calls(DOWN, black), *calls(DOWN, residual)],
-        UP: [*calls(UP, seam), *calls(UP, wave_up), *calls(UP, black)],
+        DOWN: [_Phase(steps(DOWN, wave_down), shared=True), between(DOWN, black), between(DOWN, residual)],
+        UP: [between(UP, seam), _Phase(steps(UP, wave_up), shared=True), between(UP, black)],
     }

@@ -22,10 +22,12 @@ from solvers.layout import (
     WIDTH,
     Float32,
     Table,
+    aligned_zeros,
     field_size,
     layout_table,
 )
 from solvers.memory import Arena
+from solvers.team import Team
 
 EXACT_UNKNOWNS = 64  # a level with at most so many unknowns is solved directly,
 EXACT_SIDE = 2  # and so is a level with a side this short: its matrix has a narrow band
@@ -142,7 +144,11 @@ def describe(region: NDArray[np.bool_]) -> str:
 
 
 def build_hierarchy(
-    region: NDArray[np.bool_], arena: Arena | None = None, *, screening: float = 0.0
+    region: NDArray[np.bool_],
+    arena: Arena | None = None,
+    team: Team | None = None,
+    *,
+    screening: float = 0.0,
 ) -> Hierarchy:
     """Levels of a region, finest first.
 
@@ -153,12 +159,14 @@ def build_hierarchy(
         operator is singular.  None need be True.
     arena : Arena, optional
         Where the coefficients are to lie; the hierarchy then lives no longer than what the arena hands out.
+    team : Team, optional
+        Who does it; the hierarchy is the same for any number of threads.
     screening : float
         What is added to the finest diagonal; a coarse cell's diagonal holds it once per unknown pixel in the cell.
     """
-    arena = arena or Arena()
+    arena, team = arena or Arena(), team or Team(1, region.size)
     region = np.ascontiguousarray(region, dtype=np.bool_)
-    exact_runs = _all_runs(region)
+    exact_runs = _all_runs(region, team)
     shapes = [(int(region.shape[0]), int(region.shape[1]))]
     while len(shapes) < len(exact_runs):
         shapes.append(((shapes[-1][0] + 1) // 2, (shapes[-1][1] + 1) // 2))
@@ -172,25 +180,34 @@ def build_hierarchy(
     ]
     table[1:, FIRST_SEGMENT] = np.cumsum([len(s) for s in segments])
 
+    # Each operation writes at the places of its own runs or segments, and reads what the one before it left.
     size = field_size(table, 1)
     weight, diagonal = arena.zeros(size), arena.zeros(size)
-    setup.weigh_region(weight, diagonal, region, runs[0], table)
     mass = arena.zeros(size if screening > 0 else 0)
+    unknowns = [int(np.count_nonzero(region))]
+    finest = team.pieces(runs[0], 1, unknowns[0])
+    team.run(setup.weigh_region, [(weight, diagonal, region, part, table) for part in finest])
     if screening > 0:
         setup.screen_region(mass, weight, diagonal, segments[0], table, np.float32(screening))
-    unknowns = [int(np.count_nonzero(region))]
     conductances = [arena.zeros(size - int(table[1, OFFSET])) for _ in range(6)]
-    scratch = arena.zeros(13 * int(table[0, STRIDE]))
+    stride = int(table[0, STRIDE])
+
+    def coarsen(part: NDArray[np.int32], level: int) -> None:
+        if level == 1:
+            setup.coarsen_region(*conductances, aligned_zeros(13 * stride), weight, part, table)
+        else:
+            setup.coarsen(*conductances, aligned_zeros(stride), part, table, level - 1)
+
     for level in range(1, len(shapes)):
         if unknowns[-1] <= EXACT_UNKNOWNS:
             break
-        if level == 1:
-            setup.coarsen_region(*conductances, scratch, weight, runs[0], table)
-        else:
-            setup.coarsen(*conductances, scratch, runs[level - 1], table, level - 1)
-        unknowns.append(int(setup.weigh(weight, diagonal, *conductances, segments[level], table, level)))
+        cells = unknowns[-1]
+        team.run(coarsen, [(part, level) for part in team.pieces(runs[level - 1], 1, cells)])
+        parts = team.pieces(segments[level], 0, cells)
+        weighed = [(weight, diagonal, *conductances, part, table, level) for part in parts]
+        unknowns.append(sum(int(n) for n in team.run(setup.weigh, weighed)))
         if screening > 0:
-            setup.coarsen_mass(mass, scratch, runs[level - 1], table, level - 1)
+            setup.coarsen_mass(mass, aligned_zeros(stride), runs[level - 1], table, level - 1)
             setup.add_mass(weight, diagonal, mass, segments[level], table, level)
 
     # The depth was known only now: coarser levels, laid out above, are left out.
@@ -211,18 +228,29 @@ def build_hierarchy(
     return replace(hierarchy, coarsest=_factor(hierarchy))
 
 
-def _all_runs(region: NDArray[np.bool_]) -> list[NDArray[np.int32]]:
+def _all_runs(region: NDArray[np.bool_], team: Team) -> list[NDArray[np.int32]]:
     """Runs of all levels that there may be, finest first."""
     height, width = region.shape
-    count = setup.find_runs(np.zeros((0, 3), np.int32), region, RUN_GAP)
-    finest = np.zeros((count, 3), np.int32)
-    setup.find_runs(finest, region, RUN_GAP)
-    levels = [finest]
+    levels = [_finest_runs(region, team)]
     while min(height, width) > EXACT_SIDE:
         coarse = np.zeros_like(levels[-1])
         levels.append(coarse[: setup.coarsen_runs(coarse, levels[-1], RUN_GAP)])
         height, width = (height + 1) // 2, (width + 1) // 2
     return levels
+
+
+def _finest_runs(region: NDArray[np.bool_], team: Team) -> NDArray[np.int32]:
+    """Runs of the finest level."""
+    bands = team.rows(len(region), region.size)
+    none = np.zeros((0, 3), np.int32)
+    counts = team.run(setup.find_runs, [(none, region[first:end], RUN_GAP) for first, end in bands])
+    runs = np.zeros((sum(counts), 3), np.int32)
+    parts = np.split(runs, np.cumsum(counts[:-1], dtype=np.intp))
+    work = zip(parts, bands, strict=True)
+    team.run(setup.find_runs, [(part, region[first:end], RUN_GAP) for part, (first, end) in work])
+    for part, (first, _) in zip(parts, bands, strict=True):
+        part[:, 0] += first // 2
+    return runs
 
 
 def _whole_vectors(runs: NDArray[np.int32]) -> NDArray[np.int32]:

@@ -4,10 +4,14 @@ A fresh array costs a page fault per 4 KiB when it is first written, which for a
 the whole solve.  Someone who edits many pictures gives the same memory back and takes it again.
 """
 
+import math
 import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+
+import numpy as np
+from numpy.typing import NDArray
 
 from solvers.layout import Float32, aligned_zeros
 
@@ -15,20 +19,38 @@ KEPT = 1 << 24  # float32 values, 64 MiB: what a thread holds on to between solv
 
 
 class Arena:
-    """Hands out zeroed arrays; what is taken back is handed out again, at once or in a later round."""
+    """Hands out arrays; what is taken back is handed out again, at once or in a later round."""
 
     def __init__(self) -> None:
         self._lent: list[Float32] = []
         self._idle: list[Float32] = []
 
     def zeros(self, size: int) -> Float32:
-        """`size` float32 zeros that begin on a cache line."""
+        """`size` float32 zeros that begin on a cache line; memory that is new is not touched."""
+        used = self._idle_block(size)
+        if used is None:
+            return self._lend(aligned_zeros(size), size)
+        used[:size] = 0
+        return self._lend(used, size)
+
+    def integers(self, *shape: int) -> NDArray[np.int32]:
+        """An array of int32, no matter which."""
+        return self._anything(math.prod(shape)).view(np.int32).reshape(shape)
+
+    def doubles(self, *shape: int) -> NDArray[np.float64]:
+        """An array of float64, no matter which."""
+        return self._anything(2 * math.prod(shape)).view(np.float64).reshape(shape)
+
+    def _anything(self, size: int) -> Float32:
+        used = self._idle_block(size)
+        return self._lend(aligned_zeros(size) if used is None else used, size)
+
+    def _idle_block(self, size: int) -> Float32 | None:
+        """The smallest one that is large enough."""
         fitting = [at for at, block in enumerate(self._idle) if block.size >= size]
-        if fitting:
-            block = self._idle.pop(min(fitting, key=lambda at: self._idle[at].size))
-            block[:size] = 0
-        else:
-            block = aligned_zeros(size)
+        return self._idle.pop(min(fitting, key=lambda at: self._idle[at].size)) if fitting else None
+
+    def _lend(self, block: Float32, size: int) -> Float32:
         self._lent.append(block)
         return block[:size]
 

@@ -1,14 +1,15 @@
-"""Multigrid: V-, F- and W-cycles on a region of any shape."""
+"""Multigrid: V-, F- and W-cycles on a region of any shape; its narrow parts are solved directly."""
 
 from dataclasses import replace
 
 import numpy as np
 
-from solvers.canvas import Values
+from solvers.canvas import Correct, Values
 from solvers.certificate import Solver, proven_error
-from solvers.correction import Correction
+from solvers.correction import Correction, corrected
 from solvers.cycles import CYCLES, Cycle, Cycling
 from solvers.memory import borrowed_arena
+from solvers.narrow import DirectSolution, split
 from solvers.problem import OptionError, PoissonProblem
 from solvers.refinement import solve_in_stages
 from solvers.result import Progress, SolveResult
@@ -50,8 +51,11 @@ def solve_multigrid(
     threads: int | None = None,
     certify: bool = False,
     progress: Progress | None = None,
+    direct: bool = True,
 ) -> SolveResult:
     """Solves eq. (7) of Perez et al. 2003 by multigrid.
+
+    Narrow parts of the region are solved directly, see `solvers.narrow`: no cycle is run for those.
 
     Parameters
     ----------
@@ -68,7 +72,9 @@ def solve_multigrid(
     certify : bool
         Also prove a bound of the error, ``error_bound``; about as dear as solving once more.
     progress : callable, optional
-        Called after each cycle with the number of cycles and the estimated error in levels.
+        Called after each cycle with the number of cycles and the estimated error in levels; once if there is none.
+    direct : bool
+        Whether narrow parts may be solved directly; without, cycles run on all of the region, to be looked at.
 
     Raises
     ------
@@ -81,12 +87,20 @@ def solve_multigrid(
     max_iterations = check_iterations(max_iterations, MAX_CYCLES)
 
     with borrowed_arena() as arena, Team(threads, problem.unknowns * problem.channels) as team:
-        correction = Correction.of(problem, arena)
+        narrow = split(problem, arena) if direct else None
+        if narrow is not None and len(narrow.place) == problem.unknowns:
+            result = _directly(narrow, tolerance, progress, team)
+            return certified(result, problem, narrow.add_to, team) if certify else result
+        error_of_narrow = 0.0 if narrow is None else narrow.error / problem.level
+        correction = Correction.of(problem, arena, team, narrow)
         cycling = Cycling(correction.hierarchy, cycle, problem.channels, team)
         floor = min(max(ROUNDING, ROUNDING * softness(correction.hierarchy)), LARGEST_FLOOR)
         rates: list[float] = []
 
         def estimated_error(changes: list[float]) -> float:
+            return max(error_of_cycles(changes), error_of_narrow)
+
+        def error_of_cycles(changes: list[float]) -> float:
             observed = rate(changes)
             if observed is not None:
                 rates.append(observed)
@@ -102,22 +116,43 @@ def solve_multigrid(
             estimated_error,
             tolerance=tolerance,
             max_iterations=max_iterations,
-            method=lambda: "multigrid " + ", then ".join(cycling.names),
+            method=lambda: (
+                ("" if narrow is None else "directly and by ") + "multigrid " + ", then ".join(cycling.names)
+            ),
             floor=floor,
             gain=max(STAGE_GAIN, 2 * floor),
             progress=progress,
         )
-        return certified(result, correction, threads) if certify else result
+        return certified(result, problem, correction.adding(), team) if certify else result
 
 
-def certified(result: SolveResult, correction: Correction, threads: int | None) -> SolveResult:
-    """The result with a proven bound of its error; `correction` is what it was made of."""
-    precise = correction.solution(np.float64)
-    bound = proven_error(correction.problem, precise, result.solution, _propose(threads))
+def _directly(narrow: DirectSolution, tolerance: float, progress: Progress | None, team: Team) -> SolveResult:
+    """The result where nothing is left to cycles."""
+    problem = narrow.problem
+    error = narrow.error / problem.level
+    if progress is not None:
+        progress(0, error)
+    return SolveResult(
+        solution=corrected(problem, narrow.add_to, team),
+        error_estimate=error,
+        tolerance=tolerance,
+        converged=error <= tolerance,
+        iterations=0,
+        history=(error,),
+        method="directly",
+        unknowns=problem.unknowns,
+        floating=problem.floating,
+    )
+
+
+def certified(result: SolveResult, problem: PoissonProblem, correct: Correct, team: Team) -> SolveResult:
+    """The result with a proven bound of its error; `correct` is what it was made with."""
+    precise = corrected(problem, correct, team, np.float64)
+    bound = proven_error(problem, precise, result.solution, _propose(team.threads))
     return replace(result, error_bound=bound)
 
 
-def _propose(threads: int | None) -> Solver:
+def _propose(threads: int) -> Solver:
     """A solver for `proven_error`."""
 
     def solution(problem: PoissonProblem, cycles: int) -> Values:

@@ -24,11 +24,11 @@ class SolveResult:
     converged : bool
         Whether ``error_estimate <= tolerance``.  If not, the solution is the best so far.
     iterations : int
-        Cycles, or sweeps.
+        Cycles, or sweeps; 0 if everything was solved directly.
     history : tuple of float
-        The estimate after each cycle, or after each group of sweeps, in levels.
+        The estimate after each cycle, or after each group of sweeps, in levels; one if there was none.
     method : str
-        For example ``"multigrid F"`` or ``"sor omega=1.97"``.
+        For example ``"multigrid F"``, ``"directly and by multigrid F"``, ``"directly"`` or ``"sor omega=1.97"``.
     unknowns : int
         Unknown pixels.
     floating : bool

@@ -89,7 +89,7 @@ def solve_sor(
     max_iterations = check_iterations(max_iterations, MAX_SWEEPS)
 
     with borrowed_arena() as arena, Team(threads, problem.unknowns * problem.channels) as team:
-        correction = Correction.of(problem, arena)
+        correction = Correction.of(problem, arena, team)
         h, channels = correction.hierarchy, problem.channels
         factor = np.float32(best_omega(h, team) if omega is None else omega)
         sweeps = min(max_iterations, max(1, round(SPAN / (2 - float(factor)))))
@@ -136,7 +136,7 @@ def solve_sor(
             progress=progress,
         )
         result = replace(result, advice=_advice(result.iterations, problem.unknowns * channels))
-        return certified(result, correction, threads) if certify else result
+        return certified(result, problem, correction.adding(), team) if certify else result
 
 
 def _calls(segments: NDArray[np.int64], channels: int, team: Team) -> list[list[Band]]:

@@ -5,6 +5,7 @@ import doctest
 import importlib
 import importlib.util
 import io
+import json
 import os
 import re
 import shlex
@@ -19,9 +20,12 @@ import pytest
 
 import poisson_cli
 from poisson_cli import commands, demo, main
-from poisson_cli.demo import photographs, scenes, sheet
+from poisson_cli.demo import naive as ways
+from poisson_cli.demo import photographs, sheet
 from poisson_cli.demo.command import Command
+from poisson_cli.demo.naive import Pasted
 from poisson_cli.demo.paste import plain_paste
+from poisson_cli.demo.scene import RESULT, SHEET
 from poisson_cli.demo.scenes import SCENES
 from poisson_cli.demo.shapes import Brush, Lasso, draw_mask
 from poisson_cli.errors import InputError, NotConverged, OutputError, PoissonError
@@ -52,8 +56,10 @@ def contents(folder):
 def selection(gallery, scene, command):
     """What a command may change: (H, W) bool of its destination, worked out from its words alone."""
     folder = gallery.folder / scene.name
-    mask = read(folder / command.option("-m", "")).pixels > 0
     destination = read(folder / command.pictures[-1]).pixels
+    if "-m" not in command.words:
+        return np.ones(destination.shape[:2], np.bool_)
+    mask = read(folder / command.option("-m", "")).pixels > 0
     if len(command.pictures) == 1:
         return mask
     x, y = map(int, command.option("--at", "0,0").split(","))
@@ -65,10 +71,30 @@ def selection(gallery, scene, command):
     return plain_paste(black, white, mask, offset=(y, x), mask_on=mask_on) > 0
 
 
+def starting_point(gallery, scene, command):
+    """What a command's result is outside the selection, worked out from its words alone."""
+    pixels = read(gallery.folder / scene.name / command.pictures[-1]).pixels
+    if "--rect" in command.words:
+        x, y, width, height = map(int, command.option("--rect", "").split(","))
+        return pixels[y : y + height, x : x + width]
+    if "--decolor-background" in command.words:
+        luma = pixels @ np.array([0.2126, 0.7152, 0.0722])  # BT.709
+        return np.repeat(np.rint(luma).astype(np.uint8)[..., None], 3, axis=2)
+    return pixels
+
+
 COMMANDS = [
     pytest.param(scene, command, id=f"{scene.name}:{command.option('-o', '')}")
     for scene in SCENES
     for command in scene.commands
+]
+PASTES = [
+    pytest.param(scene, name, id=f"{scene.name}:{name}")
+    for scene in SCENES
+    for name, way in scene.naive.items()
+    if isinstance(way, Pasted)
+    and not way.feather
+    and (way.change is None or scene.name.startswith("recolor"))
 ]
 each_scene = pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.name)
 
@@ -83,8 +109,33 @@ def test_every_tool_is_shown():
 
 def test_the_variants_of_cloning_are_shown():
     texts = " ".join(command.text for scene in SCENES for command in scene.commands)
-    for option in ("--monochrome", "--gradients average", "--mask-on destination", "--at"):
+    for option in (
+        "--monochrome",
+        "--gradients average",
+        "--mask-on destination",
+        "--at",
+        "--flatten",
+        "--focus",
+    ):
         assert option in texts
+
+
+def test_what_helps_against_bleeding_is_shown():
+    texts = " ".join(command.text for scene in SCENES for command in scene.commands)
+    for option in ("--screen", "--robust", "--space lab"):
+        assert option in texts
+
+
+def test_every_figure_of_the_paper_is_shown_in_its_order():
+    figures = [int(scene.figure.split()[1]) for scene in SCENES if scene.figure.startswith("Figure")]
+    assert set(figures) == set(range(2, 13))
+    assert figures == sorted(figures)
+
+
+@each_scene
+def test_every_result_stands_beside_a_naive_one(scene):
+    assert scene.naive
+    assert set(scene.naive) <= {panel.picture for panel in scene.panels}
 
 
 def test_names_are_unique():
@@ -93,20 +144,19 @@ def test_names_are_unique():
 
 @each_scene
 def test_a_scene_hangs_together(scene):
-    outputs = [command.option("-o", "") for command in scene.commands]
-    assert outputs[-1] == scenes.RESULT
+    outputs = [output for command in scene.commands for output in command.outputs]
+    assert scene.commands[-1].outputs[0] == RESULT
     assert len(set(outputs)) == len(outputs)
     made = {*scene.pictures, *scene.selections}
     for command in scene.commands:
-        assert {word for word in command.words if word.endswith(".png")} - {command.option("-o", "")} <= made
+        assert {word for word in command.words if word.endswith(".png")} - set(command.outputs) <= made
         assert "--overwrite" in command.words, "pasted, it would be refused"
-        made.add(command.option("-o", ""))
-    if scene.has_paste:
-        made.add(scenes.PASTE)
+        made.update(command.outputs)
+    assert not made & set(scene.naive)
+    made.update(scene.naive)
     assert {panel.picture for panel in scene.panels} <= made
     assert {panel.selection for panel in scene.panels} - {None} == set(scene.selections)
-    assert scenes.RESULT in {panel.picture for panel in scene.panels}
-    assert scene.has_paste == (scenes.PASTE in {panel.picture for panel in scene.panels})
+    assert RESULT in {panel.picture for panel in scene.panels}
 
 
 @each_scene
@@ -120,9 +170,8 @@ def test_everyone_is_thanked(scene):
 @each_scene
 def test_all_files_are_there(gallery, scene):
     files = {path.name for path in (gallery.folder / scene.name).iterdir()}
-    outputs = {command.option("-o", "") for command in scene.commands}
-    paste = {scenes.PASTE} if scene.has_paste else set()
-    assert files == {*scene.pictures, *scene.selections, *outputs, *paste, scenes.SHEET}
+    outputs = {output for command in scene.commands for output in command.outputs}
+    assert files == {*scene.pictures, *scene.selections, *outputs, *scene.naive, SHEET}
 
 
 @each_scene
@@ -135,36 +184,80 @@ def test_selections_have_the_size_of_their_picture(gallery, scene):
 
 @pytest.mark.parametrize(("scene", "command"), COMMANDS)
 def test_a_command_changes_its_selection_and_nothing_else(gallery, scene, command):
-    folder = gallery.folder / scene.name
-    before = read(folder / command.pictures[-1]).pixels
-    after = read(folder / command.option("-o", "")).pixels
-    inside = selection(gallery, scene, command)
+    before = starting_point(gallery, scene, command)
+    after = read(gallery.folder / scene.name / command.option("-o", "")).pixels
+    inside = (
+        np.ones(after.shape[:2], np.bool_)
+        if "--rect" in command.words
+        else selection(gallery, scene, command)
+    )
     changed = (before != after).reshape(*inside.shape, -1).any(axis=2)
     assert not changed[~inside].any()
     assert changed[inside].mean() > 0.3
 
 
-@pytest.mark.parametrize(
-    "scene", [scene for scene in SCENES if scene.has_paste], ids=lambda scene: scene.name
-)
-def test_the_plain_paste_has_a_seam_and_the_result_has_none(gallery, scene):
+@pytest.mark.parametrize(("scene", "name"), PASTES)
+def test_the_plain_paste_has_a_seam_and_the_result_has_none(gallery, scene, name):
     folder = gallery.folder / scene.name
     inside = selection(gallery, scene, scene.commands[-1])
     border = inside[:, 1:] != inside[:, :-1]
 
-    def step(name):
-        return np.abs(np.diff(read(folder / name).pixels.astype(float), axis=1))[border].mean()
+    def step(picture):
+        return np.abs(np.diff(read(folder / picture).pixels.astype(float), axis=1))[border].mean()
 
-    assert step(scenes.RESULT) < 0.75 * step(scenes.PASTE)
+    assert step(RESULT) < 0.75 * step(name)
 
 
-def test_the_gallery_is_small_enough_to_send(gallery):
-    assert sum(map(len, contents(gallery.folder).values())) < 15_000_000
+def test_the_patch_that_is_pasted_is_the_one_that_was_found(gallery, capsys):
+    scene = next(scene for scene in SCENES if scene.commands[-1].words[0] == "heal")
+    (way,) = scene.naive.values()
+    line = scene.commands[-1].argv(gallery.folder / scene.name)
+    assert main.run([*line, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)["offset"]
+    assert way.at == (-found["x"], -found["y"])
+
+
+def test_a_tile_repeats_without_the_steps_of_the_piece(gallery):
+    scene = next(scene for scene in SCENES if scene.commands[-1].words[0] == "tile")
+    result = read(gallery.folder / scene.name / RESULT).pixels.astype(float)
+    piece = starting_point(gallery, scene, scene.commands[-1]).astype(float)
+    for axis in (0, 1):
+        step = [
+            np.abs(np.take(pixels, 0, axis) - np.take(pixels, -1, axis)).mean() for pixels in (result, piece)
+        ]
+        assert step[0] == 0
+        assert step[1] > 10
+
+
+def test_screening_brings_the_colours_of_the_source_back(gallery):
+    scene = next(scene for scene in SCENES if scene.name == "clone-screen")
+    folder = gallery.folder / scene.name
+    inside = selection(gallery, scene, scene.commands[-1])
+    wanted = read(folder / "plain-paste.png").pixels.astype(float)
+    cloned, screened = (
+        np.abs(read(folder / name).pixels - wanted)[inside].mean() for name in ("clone.png", RESULT)
+    )
+    assert screened < 0.6 * cloned
+
+
+def test_a_robust_border_keeps_the_light_where_it_is(gallery):
+    scene = next(scene for scene in SCENES if scene.name == "clone-robust")
+    folder = gallery.folder / scene.name
+    inside = selection(gallery, scene, scene.commands[-1])
+    inside[:240] = False  # above, the border is plain
+    glow = [(read(folder / name).pixels[inside] @ (1.0, 0.0, -1.0)).mean() for name in ("clone.png", RESULT)]
+    assert glow[1] < glow[0] - 10  # less orange than blue, by levels
+
+
+def test_the_page_is_small_enough_to_send(gallery):
+    sizes = {name: len(data) for name, data in contents(gallery.folder).items()}
+    assert sum(size for name, size in sizes.items() if name.endswith((".html", ".jpg"))) < 12_000_000
+    assert sum(sizes.values()) < 40_000_000
 
 
 def test_no_temporary_file_is_left(gallery):
     names = {path.name for path in gallery.folder.rglob("*") if path.is_file()}
-    assert all(re.fullmatch(r"[a-z][a-z-]*\.(png|html)", name) for name in names)
+    assert all(re.fullmatch(r"[a-z][a-z-]*\.(png|jpg|html)", name) for name in names)
 
 
 # The command lines
@@ -256,7 +349,7 @@ def test_the_page_shows_every_scene_and_line(gallery):
     page = Page(text)
     assert page.code.split("\n")[:-1] == gallery.lines
     for scene in SCENES:
-        assert f"{scene.name}/{scenes.SHEET}" in page.links
+        assert f"{scene.name}/{SHEET}" in page.links
         assert scene.figure in text
 
 
@@ -279,10 +372,11 @@ def test_a_second_run_needs_leave_and_makes_the_same_bytes(gallery, monkeypatch,
     assert contents(gallery.folder) == before
 
 
-def test_without_scikit_image_it_says_what_to_install(tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize("missing", ["skimage", "cv2"])
+def test_without_an_extra_it_says_what_to_install(tmp_path, monkeypatch, capsys, missing):
     find_spec = importlib.util.find_spec
     monkeypatch.setattr(
-        importlib.util, "find_spec", lambda name, *a: None if name == "skimage" else find_spec(name, *a)
+        importlib.util, "find_spec", lambda name, *a: None if name == missing else find_spec(name, *a)
     )
     assert main.run(["demo", str(tmp_path / "gallery")]) == 3
     assert "pip install 'poisson-cli[demo]'" in capsys.readouterr().err
@@ -365,6 +459,90 @@ def test_plain_paste_copies_selected_pixels(mask_on, offset, colour):
     result = plain_paste(destination, source, mask, offset=offset, mask_on=mask_on)
     np.testing.assert_array_equal(result, expected)
     np.testing.assert_array_equal(destination, kept)
+
+
+def test_an_alpha_blend_goes_smoothly_from_one_picture_to_the_other():
+    destination, source = np.full((40, 60), 20, np.uint8), np.full((40, 60), 220, np.uint8)
+    mask = np.zeros((40, 60), np.bool_)
+    mask[:, 30:] = True
+    row = plain_paste(destination, source, mask, feather=4)[20].astype(int)
+    assert row[0] == 20
+    assert row[-1] == 220
+    assert (np.diff(row) >= 0).all()
+    assert np.diff(row).max() < 30  # the hard step has 200 levels
+    assert row[29] + row[30] == pytest.approx(240, abs=4)
+
+
+def grey_ramp():
+    """(8, 8) uint8, 0 to 252."""
+    return np.arange(0, 256, 4, dtype=np.uint8).reshape(8, 8)
+
+
+def test_naive_changes_do_what_they_say():
+    ramp = grey_ramp()
+    colour = np.stack([ramp, ramp // 2, 255 - ramp], axis=2)
+    assert (ways.Brightened(0.5)(ramp)[1:] > ramp[1:]).all()
+    np.testing.assert_allclose(ways.Brightened(2)(ramp), ramp.astype(float) ** 2 / 255, atol=0.5)
+    mean = ramp.mean()
+    np.testing.assert_allclose(
+        ways.Contrasted(1.5)(ramp), np.clip(mean + 1.5 * (ramp - mean), 0, 255), atol=0.5
+    )
+    assert np.ptp(ways.Grey()(colour).astype(int), axis=2).max() == 0
+    red = np.full((2, 2, 3), (255, 0, 0), np.uint8)
+    np.testing.assert_allclose(ways.Hue(120)(red), np.broadcast_to((0, 255, 0), red.shape), atol=8)
+    np.testing.assert_allclose(ways.Hue(240)(red), np.broadcast_to((0, 0, 255), red.shape), atol=8)
+    dot = np.zeros((15, 15), np.uint8)
+    dot[7, 7] = 255
+    assert 0 < ways.Blurred(2)(dot)[7, 7] < 30
+    assert ways.Median(3)(dot).max() == 0
+
+
+def naive(way, line, pictures, **masks):
+    """A naive way to do a command, on arrays."""
+    return way.draw(
+        Command(line), pictures.__getitem__, {f"{name}.png": mask for name, mask in masks.items()}
+    )
+
+
+def test_a_naive_edit_changes_the_selection_alone():
+    ramp = grey_ramp()
+    mask = ramp > 100
+    result = naive(Pasted(change=ways.Brightened(0.5)), "relight a.png -m m.png", {"a.png": ramp}, m=mask)
+    np.testing.assert_array_equal(result, np.where(mask, ways.Brightened(0.5)(ramp), ramp))
+
+
+def test_a_naive_copy_takes_its_place_from_the_command_or_from_the_scene():
+    ramp, other = grey_ramp(), 255 - grey_ramp()
+    pictures, mask = {"a.png": other, "b.png": ramp}, np.zeros((8, 8), np.bool_)
+    mask[2:4, 2:4] = True
+    result = naive(Pasted(), "clone a.png b.png -m m.png --at 3,1", pictures, m=mask)
+    expected = ramp.copy()
+    expected[3:5, 5:7] = other[2:4, 2:4]
+    np.testing.assert_array_equal(result, expected)
+    result = naive(Pasted(at=(-2, 1)), "heal b.png -m m.png", pictures, m=mask)
+    expected = ramp.copy()
+    expected[2:4, 2:4] = ramp[1:3, 4:6]
+    np.testing.assert_array_equal(result, expected)
+
+
+def test_a_backdrop_is_changed_outside_only():
+    colour = np.stack([grey_ramp(), grey_ramp() // 2, grey_ramp() // 3], axis=2)
+    mask = grey_ramp() > 100
+    line = "recolor a.png -m m.png --decolor-background"
+    result = naive(Pasted(backdrop=ways.Grey()), line, {"a.png": colour}, m=mask)
+    np.testing.assert_array_equal(result[mask], colour[mask])
+    np.testing.assert_array_equal(result[~mask], ways.Grey()(colour)[~mask])
+
+
+@pytest.mark.parametrize("colour", [False, True], ids=["grey", "colour"])
+def test_a_piece_is_repeated_as_it_is(colour):
+    ramp = grey_ramp()
+    picture = np.stack([ramp] * 3, axis=2) if colour else ramp
+    result = naive(ways.Repeated(), "tile a.png --rect 2,1,4,3", {"a.png": picture})
+    assert result.shape[:2] == (9, 12)
+    for row in range(9):
+        for col in range(12):
+            np.testing.assert_array_equal(result[row, col], picture[1 + row % 3, 2 + col % 4])
 
 
 def test_a_lasso_runs_through_its_points_and_selects_its_inside():

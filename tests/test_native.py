@@ -1,14 +1,16 @@
 """Compiled kernels on disk: declared, compiled, stored and loaded, and what happens where one of these fails."""
 
+import ctypes
 import os
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 
 import pytest
 
 from solvers.kernels import policy
-from solvers.native import store
+from solvers.native import image, store
 from solvers.native.signature import Kind, Signature
 from tests import tiny_kernels
 
@@ -19,7 +21,7 @@ import sys
 import numpy as np
 from tests import tiny_kernels as tiny
 heard = []
-tiny.library.listener = heard.append
+tiny.library.listener = lambda volume, seconds: heard.append(seconds)
 values = np.linspace(-1, 7, 21, dtype=np.float32).reshape(3, 7)
 out = np.empty(3, np.float32)
 last = tiny.scale(out, values, 0.7)
@@ -40,12 +42,16 @@ print(out_strided.tobytes() == out.tobytes(), "numba" in sys.modules, len(heard)
 """
 
 
-def probe(place: Path, *words: str, kernels: str = "native") -> tuple[str, list[str]]:
+def probe(place: Path, *words: str, kernels: str = "native", before: str = "") -> tuple[str, list[str]]:
     """Runs the tiny kernels in a process of their own: their results, and how they were had."""
     environment = {**os.environ, "POISSON_CACHE_DIR": str(place), "POISSON_KERNELS": kernels}
     environment.pop("NUMBA_DISABLE_JIT", None)
     ran = subprocess.run(
-        [sys.executable, "-c", PROBE, *words], capture_output=True, text=True, env=environment, cwd=ROOT
+        [sys.executable, "-c", before + PROBE, *words],
+        capture_output=True,
+        text=True,
+        env=environment,
+        cwd=ROOT,
     )
     assert ran.returncode == 0, ran.stderr
     results, how = ran.stdout.splitlines()
@@ -71,6 +77,28 @@ def test_later_processes_load_without_numba(warm):
     again, how = probe(place)
     assert again == results
     assert how[1:] == ["False", "0", "None"]
+
+
+def test_what_few_need_is_compiled_when_it_is_called(tmp_path):
+    program = (
+        "import sys; import numpy as np; from tests import tiny_kernels as tiny\n"
+        "heard = []; tiny.library.listener = lambda volume, seconds: heard.append(volume)\n"
+        "values = np.arange(3, dtype=sys.argv[1]); tiny.halve(values); print(*values, *heard)\n"
+    )
+
+    def halved(dtype):
+        environment = {**os.environ, "POISSON_CACHE_DIR": str(tmp_path), "POISSON_KERNELS": "native"}
+        ran = subprocess.run(
+            [sys.executable, "-c", program, dtype], capture_output=True, text=True, env=environment, cwd=ROOT
+        )
+        assert ran.returncode == 0, ran.stderr
+        return ran.stdout.split()[3:]
+
+    assert halved("float32") == ["usual", "usual"]
+    assert len(stored(tmp_path)) == 1
+    assert halved("float64") == ["further", "further"]
+    assert len(stored(tmp_path)) == 2
+    assert halved("float64") == halved("float32") == []
 
 
 @pytest.mark.parametrize("kernels", ["numba", "python"])
@@ -124,6 +152,47 @@ def test_a_whole_file_of_something_else_is_compiled_anew(warm, tmp_path):
     again, how = probe(other)
     assert again == results
     assert how[1:] == ["True", "2", "None"]
+
+
+SIDE_BY_SIDE = """
+import sys
+from solvers.native import building
+from tests import tiny_kernels
+tiny_kernels.library.helpers = True
+building.available_cores = lambda: 3
+"""
+
+
+@pytest.mark.parametrize(
+    "helper", ["", "sys.executable = '/bin/false'\n"], ids=["helpers", "helpers that fail"]
+)
+def test_compiling_side_by_side_gives_the_same(warm, helper, tmp_path):
+    _, results = warm
+    place = tmp_path / "poisson"
+    again, how = probe(place, before=SIDE_BY_SIDE + helper)
+    assert again == results
+    assert how[1:] == ["True", "2", "None"]
+    again, how = probe(place)
+    assert again == results
+    assert how[1:] == ["False", "0", "None"]
+
+
+@pytest.mark.parametrize("missing", ["possible = lambda: False", "link = refuse"])
+def test_without_an_image_llvm_links_the_objects(warm, missing, tmp_path):
+    """Where objects are of another kind, and where they hold what an image cannot."""
+    _, results = warm
+    before = (
+        "import sys\nfrom solvers.native import image\n"
+        "def refuse(*_):\n    raise image.ImageError('no')\n"
+        f"image.{missing}\n"
+    )
+    place = tmp_path / "poisson"
+    assert probe(place, before=before)[0] == results
+    again, how = probe(place, before=before)
+    assert again == results
+    assert how[1:] == ["False", "0", "None"]
+    [content] = stored(place)
+    assert b"\x7fELF" in content.read_bytes() or not image.possible()
 
 
 def test_many_processes_at_once_on_an_empty_cache(warm, tmp_path):
@@ -235,15 +304,19 @@ def test_the_place(monkeypatch, tmp_path):
 
 def test_the_key_knows_sources_compilers_machine_and_settings(monkeypatch, tmp_path):
     library = tiny_kernels.library
-    key = store.key_of(library, "machine")
-    assert key == store.key_of(library, "machine")
-    keys = {key, store.key_of(library, "another machine")}
+    key = store.key_of(library, "usual", "machine")
+    assert key == store.key_of(library, "usual", "machine")
+    keys = {
+        key,
+        store.key_of(library, "usual", "another machine"),
+        store.key_of(library, "further", "machine"),
+    }
     with monkeypatch.context() as patched:
-        patched.setattr(store, "numba_version", lambda: b"another")
-        keys.add(store.key_of(library, "machine"))
+        patched.setattr(store, "version_of", lambda _: b"another")
+        keys.add(store.key_of(library, "usual", "machine"))
     with monkeypatch.context() as patched:
         patched.setenv("NUMBA_CPU_NAME", "generic")
-        keys.add(store.key_of(library, "machine"))
+        keys.add(store.key_of(library, "usual", "machine"))
     changed = tmp_path / "tiny_kernels.py"
     changed.write_bytes(Path(tiny_kernels.__file__).read_bytes() + b"\n")
     real = store._origin
@@ -251,14 +324,103 @@ def test_the_key_knows_sources_compilers_machine_and_settings(monkeypatch, tmp_p
         patched.setattr(
             store, "_origin", lambda name: str(changed) if name == "tests.tiny_kernels" else real(name)
         )
-        keys.add(store.key_of(library, "machine"))
-    assert len(keys) == 5
+        keys.add(store.key_of(library, "usual", "machine"))
+    assert len(keys) == 6
 
 
 def test_numbas_version_is_told_without_importing_it():
     import numba
 
-    assert numba.__version__.encode() in store.numba_version()
+    assert numba.__version__.encode() in store.version_of("numba")
+
+
+on_known_systems = pytest.mark.skipif(not image.possible(), reason="objects of another kind")
+
+
+@on_known_systems
+def test_an_image_is_loaded_without_llvm(warm):
+    place, results = warm
+    forbid = (
+        "import sys\nclass Forbid:\n"
+        "    def find_spec(self, name, *_):\n        assert name != 'llvmlite.binding'\n"
+        "sys.meta_path.insert(0, Forbid())\n"
+    )
+    again, how = probe(place, before=forbid)
+    assert again == results
+    assert how[1:] == ["False", "0", "None"]
+    [content] = stored(place)
+    assert b"\x7fELF" not in content.read_bytes()
+
+
+def emitted(source: str) -> bytes:
+    """An object from LLVM's language."""
+    from solvers.native import linker
+
+    machine = linker.target_machine()
+    return bytes(machine.emit_object(linker.llvm.parse_assembly(source)))
+
+
+CALLS = """
+declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)
+define i64 @second(i64 %x) {
+  %y = mul i64 %x, 3
+  ret i64 %y
+}
+define i64 @first(ptr %p, i64 %n) noinline {
+  call void @llvm.memset.p0.i64(ptr %p, i8 7, i64 %n, i1 false)
+  %y = call i64 @second(i64 %n)
+  ret i64 %y
+}
+"""
+
+
+@on_known_systems
+def test_an_image_holds_what_its_objects_do():
+    """Calls within, constants, and calls of the C library, from an object that is not the first."""
+    half = emitted("define double @half(double %x) {\n %y = fmul double %x, 0.3\n ret double %y\n}\n")
+    code, offsets = image.link([half, emitted(CALLS)], ["first", "half"])
+    first, half_of = image.load(code, offsets)
+    buffer = (ctypes.c_uint8 * 100)()
+    call = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_int64)(first)
+    assert call(ctypes.addressof(buffer), 90) == 270
+    assert bytes(buffer) == b"\7" * 90 + bytes(10)
+    assert ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double)(half_of)(1.5) == 1.5 * 0.3
+
+
+@on_known_systems
+def test_what_cannot_be_an_image_is_refused():
+    def refusal(source: bytes | str, name: str = "f") -> str:
+        with pytest.raises(image.ImageError) as caught:
+            image.link([source if isinstance(source, bytes) else emitted(source)], [name])
+        return str(caught.value)
+
+    assert "variables" in refusal("@v = global i64 1\ndefine ptr @f() {\n ret ptr @v\n}\n")
+    assert "need puts" in refusal(
+        "declare i32 @puts(ptr)\ndefine i32 @f(ptr %p) {\n %x = call i32 @puts(ptr %p)\n ret i32 %x\n}\n"
+    )
+    assert "relocations of kind" in refusal("declare i32 @puts(ptr)\ndefine ptr @f() {\n ret ptr @puts\n}\n")
+    assert "not in the objects: g" in refusal("define void @f() {\n ret void\n}\n", "g")
+    whole = emitted(CALLS)
+    for damaged in (b"", b"something else", whole[:30], whole[: len(whole) // 2], b"MZ" + whole[2:]):
+        assert refusal(damaged)
+    with pytest.raises(image.ImageError, match="not an image"):
+        image.load(b"short", [100])
+
+
+@on_known_systems
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="cores cannot be chosen")
+def test_the_processor_says_the_same_on_every_core():
+    from solvers.native.processor import processor
+
+    cores = os.sched_getaffinity(0)
+    try:
+        said = set()
+        for core in cores:
+            os.sched_setaffinity(0, {core})
+            said.add(processor())
+    finally:
+        os.sched_setaffinity(0, cores)
+    assert len(said) == 1
 
 
 def test_lists_of_bytes():
@@ -281,7 +443,8 @@ def test_signatures():
 def test_every_entry_point_of_the_solvers_is_declared_as_it_is():
     """A kernel whose parameters change is left to numba until its signature follows: that is slow, not wrong."""
     declared = {kernel.__name__: len(kernel.signatures) for kernel in policy.library.kernels()}
-    assert declared == {name: len(texts) for name, texts in policy.ENTRY_POINTS.items()}
+    volumes = policy.ENTRY_POINTS, policy.FURTHER
+    assert declared == Counter(name for volume in volumes for name, texts in volume.items() for _ in texts)
 
 
 SOLVE = """

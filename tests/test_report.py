@@ -52,6 +52,8 @@ def test_the_line():
     [
         ({"unknowns": 1}, "clone: 1 pixel at"),
         ({"method": "multigrid V, then F"}, ", multigrid V then F x 6, "),
+        ({"method": "directly and by multigrid F"}, ", directly and by multigrid F x 6, "),
+        ({"method": "directly", "iterations": 0}, ", directly, "),
         ({"solver": "sor", "cycle": None, "method": "sor omega=1.96", "iterations": 400}, ", sor x 400, "),
         ({"error_estimate": 0.0}, ", error < 0.000001 levels, "),
         ({"error_estimate": 2e-9}, ", error < 0.000001 levels, "),
@@ -90,12 +92,12 @@ def test_the_details():
         "exceptional at 1.2% of it",
         "  method    multigrid F",
         "  error     0.00015 levels estimated, 0.0005 allowed",
-        "  clipped   1 value outside 0..255, by 2.3 levels at most",
+        "  clipped   1 value outside the picture's range, by 2.3 levels at most",
         "  stages    read 10 ms, solve 20 ms, write 1 ms",
     ]
     shorter = report.details(changed(boundary_mismatch=None))
     assert "mismatch" not in shorter
-    assert "0 values outside 0..255\n" in shorter
+    assert "0 values outside the picture's range\n" in shorter
     assert "selected" not in report.details(changed(selected=None))
     assert shorter.startswith("  selected  12,345 pixels, all of them inside the picture\n")
 

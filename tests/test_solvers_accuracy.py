@@ -60,13 +60,13 @@ def test_multigrid_is_within_the_tolerance(shape, cycle):
     problem = case.problem()
     result = solve_multigrid(problem, cycle=cycle)
     assert_solved(case, problem, result, DEFAULT_TOLERANCE)
-    assert cycle in result.method
+    assert (cycle in result.method) == (result.iterations > 0)
 
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_v_cycles_give_the_picture_or_say_that_they_did_not(shape):
     case = Case(SHAPES[shape](*LARGE))
-    result = solve_multigrid(case.problem(), cycle="V")
+    result = solve_multigrid(case.problem(), cycle="V", direct=False)
     assert result.converged == (result.error_estimate <= DEFAULT_TOLERANCE)
     assert not result.converged or case.error(result) <= DEFAULT_TOLERANCE
 
@@ -114,7 +114,7 @@ def test_the_tolerance_asked_for_is_kept(shape, solve, tolerance):
 def test_the_estimate_is_of_the_size_of_the_error(shape):
     """Neither an empty promise nor a scare, down to the rounding of float32."""
     case = Case(SHAPES[shape](*LARGE))
-    result = solve_multigrid(case.problem(), tolerance=0.01)
+    result = solve_multigrid(case.problem(), tolerance=0.01, direct=False)
     error = case.error(result)
     assert error <= 1.25 * result.error_estimate + ROUNDING
     assert result.error_estimate <= 20 * error + 100 * ROUNDING

@@ -57,7 +57,7 @@ def test_the_bound_is_in_levels_and_covers_the_rounding_to_the_dtype(shape, dtyp
 
 @pytest.mark.parametrize("shape", ["lasso", "edge_touching", "everything"])
 def test_a_right_hand_side_in_place_of_the_guidance(shape):
-    case = Case(SHAPES[shape](*SMALL))
+    case = Case(SHAPES[shape](64, 71))
     problem = PoissonProblem(case.region, case.values, rhs=oracles.pair_sums(*case.field))
     result = solve_multigrid(problem, certify=True, tolerance=0.01)
     assert case.error(result) <= result.error_bound + ORACLE <= 2 * case.error(result)

@@ -12,7 +12,9 @@ library = Library(
         "extremes": ["f4[:] -> f4, f4"],
         "flatten": ["f8[:], f8[:,:,:], i8"],
         "every": ["b1[:], b1 -> b1"],
+        "halve": ["f4[:]"],
     },
+    further={"halve": ["f8[:]"]},
     options={"nogil": True, "error_model": "numpy", "boundscheck": False},
     home=__name__,
 )
@@ -55,3 +57,9 @@ def every(flags, wanted):
     for i in range(flags.shape[0]):
         same &= flags[i] == wanted
     return same
+
+
+@library.jit()
+def halve(values):
+    for i in range(values.shape[0]):
+        values[i] /= 2

@@ -7,8 +7,10 @@ Both come from the options of the commands, which are what a batch reads a manif
 from __future__ import annotations
 
 import argparse
+import functools
 import json
 import sys
+from collections import defaultdict
 from pathlib import Path
 from typing import Any
 
@@ -78,10 +80,22 @@ def steps(tool: grammar.Tool) -> dict[str, Any]:
     return {"description": "Steps of a selection, done in their order.", "type": "array", "items": step}
 
 
+@functools.cache
+def shared() -> dict[str, Any]:
+    """What may be said under a name of which several tools say the same."""
+    found: dict[str, list[dict[str, Any]]] = defaultdict(list)
+    for tool in grammar.tools().values():
+        for name, parameter in tool.keys.items():
+            found[name].append(of_parameter(parameter))
+    return {name: one[0] for name, one in found.items() if one.count(one[0]) > 1}
+
+
 def of_tool(tool: grammar.Tool) -> dict[str, Any]:
     """A line for one tool."""
     properties = {"tool": {"const": tool.name}}
-    properties |= {name: of_parameter(parameter) for name, parameter in tool.keys.items()}
+    for name, parameter in tool.keys.items():
+        own = of_parameter(parameter)
+        properties[name] = {"$ref": f"#/$defs/options/{name}"} if own == shared().get(name) else own
     if tool.selects:
         properties[grammar.SELECTION] = {"$ref": "#/$defs/selection"}
     required = ["tool", *(name for name, parameter in tool.keys.items() if parameter.required)]
@@ -110,6 +124,7 @@ def schema() -> str:
         "anyOf": [{"$ref": f"#/$defs/{name}"} for name in ("defaults", *tools)],
         "$defs": {
             "defaults": {"description": "The first line may say this for all others.", **first},
+            "options": shared(),
             "selection": steps(tools["mask"]),
             **{name: of_tool(tool) for name, tool in tools.items()},
         },

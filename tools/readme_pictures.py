@@ -8,9 +8,20 @@ from pathlib import Path
 from PIL import Image
 
 from poisson_cli import demo
+from poisson_cli.demo.scene import SHEET
 
 PICTURES = Path(__file__).resolve().parent.parent / "docs" / "pictures"
-SCENES = ("clone-hide", "clone-monochrome", "mix-mural", "mix-reflection")
+SCENES = (
+    "clone-hide",
+    "clone-monochrome",
+    "clone-screen",
+    "mix-mural",
+    "mix-reflection",
+    "heal-badge",
+    "flatten-cat",
+    "relight-coat",
+    "tile-wood",
+)
 
 
 def main() -> None:
@@ -19,7 +30,7 @@ def main() -> None:
         gallery = Path(folder) / "gallery"
         demo.run(gallery, False)
         for scene in SCENES:
-            with Image.open(gallery / scene / "sheet.png") as sheet:
+            with Image.open(gallery / scene / SHEET) as sheet:
                 sheet.convert("RGB").save(PICTURES / f"{scene}.jpg", quality=88, optimize=True)
 
 

@@ -67,7 +67,7 @@ def factor(region: Array, cycle: Cycle) -> float:
     for _ in range(CYCLES):
         problem = PoissonProblem(region, np.zeros_like(error), rhs=minus_laplacian(error))
         solution = solve_multigrid(
-            problem, cycle=cycle, tolerance=1e-12, max_iterations=1, threads=1
+            problem, cycle=cycle, tolerance=1e-12, max_iterations=1, threads=1, direct=False
         ).solution
         left = np.abs(error - solution).max((0, 1))
         factors.append(float((left / SIZE).max()))
@@ -83,7 +83,7 @@ def solve(region: Array, cycle: Cycle) -> tuple[str, list[str]]:
 
     wanted = start(region)
     problem = PoissonProblem(region, np.zeros_like(wanted), rhs=minus_laplacian(wanted))
-    result = solve_multigrid(problem, cycle=cycle, threads=1)
+    result = solve_multigrid(problem, cycle=cycle, threads=1, direct=False)
     largest = np.abs(result.solution - wanted).max()
     wrong = []
     if not result.converged:

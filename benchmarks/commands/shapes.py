@@ -87,9 +87,10 @@ def measure(c: Case) -> Honesty:
         return float(np.abs(np.asarray(solution)[region] - c.exact).max())
 
     final = solve_multigrid(problem, threads=1)
+    by_cycles = solve_multigrid(problem, threads=1, direct=False)
     ratios = []
-    for cycles in range(2, final.iterations + 1):
-        result = solve_multigrid(problem, max_iterations=cycles, threads=1)
+    for cycles in range(2, by_cycles.iterations + 1):
+        result = solve_multigrid(problem, max_iterations=cycles, threads=1, direct=False)
         if (true := true_error(result.solution)) > FLOOR:
             ratios.append(result.error_estimate / true)
     return Honesty(final.iterations, true_error(final.solution), final.tolerance, tuple(ratios))

@@ -165,10 +165,12 @@ def _do(task: Task) -> dict[str, Any]:
     from poisson_cli import report
 
     edits = [job for job in task.jobs if isinstance(job, Job)]
-    notices = [notice for job in task.jobs if isinstance(job, MaskJob) for notice in run_mask(job).notices]
+    notices = [
+        notice for job in task.jobs if isinstance(job, MaskJob) for notice in run_mask(job, None).notices
+    ]
     if not edits:
         return {"notices": tuple(notices)}
-    summaries = run_together(edits)
+    summaries = run_together(edits, before_commit=None)
     for summary in summaries:
         notices += [*summary.notices, *report.hints(summary)]
     return {

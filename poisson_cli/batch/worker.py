@@ -101,7 +101,7 @@ def _the_usual(quiet: bool) -> Perform:
     from solvers.kernels.policy import library
 
     compiling.announce(quiet=quiet)
-    library.addresses()
+    library.addresses("usual")
     return perform
 
 

@@ -12,7 +12,7 @@ from poisson_cli.params import FACTORS, FILE, NOT_NEGATIVE, NUMBER
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from poisson_cli.settings import Output, Reporting, Selection, Solver
+    from poisson_cli.settings import Inputs, Output, Reporting, Selection, Solver
 
 __all__ = ["command"]
 
@@ -46,6 +46,7 @@ __all__ = ["command"]
 @options.screen
 @options.rescale
 @options.space
+@options.inputs
 @options.output
 @options.solver
 @options.reporting
@@ -53,6 +54,7 @@ def command(
     image: Path,
     selection: Selection,
     solver: Solver,
+    inputs: Inputs,
     output: Output,
     reporting: Reporting,
     **parameters: Any,
@@ -76,6 +78,7 @@ def command(
                 selection=selection,
                 parameters=parameters,
                 solver=solver,
+                inputs=inputs,
                 output=output,
             )
         ],

@@ -22,19 +22,21 @@ def command(quiet: bool) -> None:
     from poisson_cli import compiling
     from poisson_cli.errors import OutputError
     from solvers.kernels.policy import library
+    from solvers.native.library import VOLUMES
 
     compiling.announce(quiet=quiet)
-    library.addresses()
+    for volume in VOLUMES:
+        library.addresses(volume)
     if library.trouble is not None:
         raise OutputError(
             f"the solver cannot be compiled ahead of time here ({library.trouble}); "
             "it works all the same, but begins more slowly"
         )
-    shelf = library.shelf()
-    if shelf.read() is None:
-        raise OutputError(
-            f"{shelf.path.parent}: the compiled solver cannot be kept there "
-            f"({shelf.trouble or library.unkept or 'no reason is known'}); name another folder in POISSON_CACHE_DIR"
-        )
-    if not quiet:
-        click.echo(f"{shelf.path}: {shelf.path.stat().st_size / 1024:.0f} KiB")
+    for shelf in map(library.shelf, VOLUMES):
+        if shelf.read() is None:
+            raise OutputError(
+                f"{shelf.path.parent}: the compiled solver cannot be kept there "
+                f"({shelf.trouble or library.unkept or 'no reason is known'}); name another folder in POISSON_CACHE_DIR"
+            )
+        if not quiet:
+            click.echo(f"{shelf.path}: {shelf.path.stat().st_size / 1024:.0f} KiB")

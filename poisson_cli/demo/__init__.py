@@ -1,11 +1,13 @@
 """The gallery: every tool at work on photographs, made by real command lines.
 
-A scene (`scenes`) names the photographs and selections to prepare and the commands to run. This module prepares,
-runs and shows them, and knows nothing of any tool: a new scene is one more entry there.
+A scene (`scenes`) names the photographs and selections to prepare, the commands to run and the naive ways (`naive`) to
+compare them with. This module prepares, runs and shows them, and knows nothing of any tool: a new scene is one more
+entry there.
 """
 
 from __future__ import annotations
 
+import importlib.util
 from pathlib import Path
 from typing import Final
 
@@ -14,8 +16,8 @@ from numpy.typing import NDArray
 
 from poisson_cli.demo import photographs
 from poisson_cli.demo.page import Exhibit, write_page
-from poisson_cli.demo.paste import plain_paste
-from poisson_cli.demo.scenes import PASTE, RESULT, SCENES, SHEET, Panel, Scene
+from poisson_cli.demo.scene import PREVIEW, RESULT, SHEET, Panel, Scene
+from poisson_cli.demo.scenes import SCENES
 from poisson_cli.demo.shapes import draw_mask
 from poisson_cli.demo.sheet import Cell, draw_sheet
 from poisson_cli.errors import InputError, NotConverged, OutputError, PoissonError
@@ -44,13 +46,17 @@ def run(directory: Path, overwrite: bool) -> None:
     Raises
     ------
     InputError
-        If scikit-image, which brings the photographs, is not installed.
+        If scikit-image, which brings the photographs, or OpenCV, which finds edges, is not installed.
     OutputError
         If the gallery cannot be written.
     PoissonError
         If one of the commands fails, with its exit code.
     """
     files = photographs.folder()
+    if importlib.util.find_spec("cv2") is None:
+        raise InputError(
+            "the demo finds edges with OpenCV, which is not installed: pip install 'poisson-cli[demo]'"
+        )
     try:
         if directory.is_dir() and not overwrite and any(directory.iterdir()):
             raise OutputError(
@@ -69,7 +75,7 @@ def run(directory: Path, overwrite: bool) -> None:
 
 def _make(scene: Scene, folder: Path, files: Path) -> Exhibit:
     """Prepare a scene in its folder, run its commands and draw its sheet."""
-    print(f"{scene.title} ({scene.figure})", flush=True)
+    print(f"{scene.title} ({scene.figure or scene.source})", flush=True)
     folder.mkdir(exist_ok=True)
     for name, photograph in scene.pictures.items():
         _write(folder / name, photographs.load(photograph, files))
@@ -81,16 +87,16 @@ def _make(scene: Scene, folder: Path, files: Path) -> Exhibit:
     lines = tuple(command.line(folder) for command in scene.commands)
     for command, line in zip(scene.commands, lines, strict=True):
         _run(command.argv(folder), line)
-    if scene.has_paste:
-        _write(folder / PASTE, _paste(scene, folder, masks))
+    for name, naive in scene.naive.items():
+        _write(folder / name, naive.draw(scene.commands[-1], lambda file: read(folder / file).pixels, masks))
     cells = [_cell(panel, folder, masks) for panel in scene.panels]
-    sheet = draw_sheet(scene.title, f"Poisson Image Editing, {scene.figure}", cells, scene.columns)
+    sheet = draw_sheet(scene.title, scene.source, cells, scene.columns)
     _write(folder / SHEET, sheet)
-    outputs = (command.option("-o", RESULT) for command in scene.commands)
+    outputs = (output for command in scene.commands for output in command.outputs)
     return Exhibit(
         scene=scene,
         lines=lines,
-        files=(*scene.pictures, *scene.selections, *outputs, *([PASTE] if scene.has_paste else [])),
+        files=(*scene.pictures, *scene.selections, *outputs, *scene.naive),
         sheet_size=(sheet.shape[1], sheet.shape[0]),
     )
 
@@ -106,20 +112,6 @@ def _run(argv: list[str], line: str) -> None:
         raise kind(f"the demo stops here, because this failed: {line}")
 
 
-def _paste(scene: Scene, folder: Path, masks: dict[str, NDArray[np.bool_]]) -> NDArray[np.uint8]:
-    """What plain copying makes of the last command."""
-    command = scene.commands[-1]
-    source, destination = (read(folder / name).pixels for name in command.pictures)
-    x, y = map(int, command.option("--at", "0,0").split(","))
-    return plain_paste(
-        destination,
-        source,
-        masks[command.option("-m", "")],
-        offset=(y, x),
-        mask_on="destination" if command.option("--mask-on", "source") == "destination" else "source",
-    )
-
-
 def _cell(panel: Panel, folder: Path, masks: dict[str, NDArray[np.bool_]]) -> Cell:
     """Fetch what a panel shows."""
     pixels = read(folder / panel.picture).pixels
@@ -128,7 +120,7 @@ def _cell(panel: Panel, folder: Path, masks: dict[str, NDArray[np.bool_]]) -> Ce
         left, top, right, bottom = panel.crop
         pixels = pixels[top:bottom, left:right]
         mask = None if mask is None else mask[top:bottom, left:right]
-    return Cell(panel.label, panel.note, pixels, mask, result=panel.picture == RESULT)
+    return Cell(panel.label, panel.note, pixels, mask, result=panel.picture in (RESULT, PREVIEW))
 
 
 def _write(path: Path, pixels: NDArray[np.uint8]) -> None:

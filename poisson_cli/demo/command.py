@@ -24,6 +24,8 @@ class Command:
     >>> command = Command("clone bird.png sky.png -m mask.png --at 40,-12 -o out.png")
     >>> command.pictures
     ['bird.png', 'sky.png']
+    >>> command.outputs
+    ['out.png']
     >>> command.option("--at", "0,0")
     '40,-12'
     >>> Command("fill wall.png -m hole.png").line(Path("my gallery"))
@@ -41,6 +43,12 @@ class Command:
     def pictures(self) -> list[str]:
         """The pictures that the tool works on: the words between its name and the first option."""
         return list(itertools.takewhile(lambda word: not word.startswith("-"), self.words[1:]))
+
+    @property
+    def outputs(self) -> list[str]:
+        """The pictures that it writes, the result first."""
+        words = ("-o", "--show-edges", "--preview")
+        return [self.option(word, "") for word in words if word in self.words]
 
     def option(self, name: str, default: str) -> str:
         """The word after an option's name, or the default where the option is not given."""

@@ -8,7 +8,7 @@ from html import escape
 from typing import Final
 
 from poisson_cli.demo.photographs import CREDITS
-from poisson_cli.demo.scenes import SHEET, Scene
+from poisson_cli.demo.scene import SHEET, Scene
 
 __all__ = ["Exhibit", "write_page"]
 
@@ -112,12 +112,13 @@ def _section(exhibit: Exhibit) -> str:
     """One scene."""
     scene = exhibit.scene
     name = escape(scene.name)
+    origin = f"{scene.figure} of the paper" if scene.figure else scene.source
     width, height = exhibit.sheet_size
     panels = "; ".join(f"{panel.label}: {panel.note}" for panel in scene.panels)
     files = ", ".join(f'<a href="{name}/{escape(file)}">{escape(file)}</a>' for file in exhibit.files)
     lines = "\n".join(f"<pre><code>{escape(line)}</code></pre>" for line in exhibit.lines)
     return f"""<section id="{name}">
-<div class="heading"><h2>{escape(scene.title)}</h2><span class="figure">{escape(scene.figure)} of the paper</span></div>
+<div class="heading"><h2>{escape(scene.title)}</h2><span class="figure">{escape(origin)}</span></div>
 <p>{escape(scene.caption)}</p>
 <a href="{name}/{SHEET}"><img src="{name}/{SHEET}" width="{width}" height="{height}" loading="lazy"
 alt="{escape(panels)}"></a>

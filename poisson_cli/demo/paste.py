@@ -1,4 +1,4 @@
-"""Plain copy and paste: what the paper's tools are compared with."""
+"""Copy and paste, with a hard or a soft outline: what the paper's tools are compared with."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image, ImageFilter
 
 __all__ = ["plain_paste"]
 
@@ -17,6 +18,7 @@ def plain_paste(
     *,
     offset: tuple[int, int] = (0, 0),
     mask_on: Literal["source", "destination"] = "source",
+    feather: float = 0,
 ) -> NDArray[np.uint8]:
     """Copy the selected pixels of one picture onto another.
 
@@ -32,6 +34,9 @@ def plain_paste(
         (row, column) of the source's top-left corner on the destination; what hangs over is left out.
     mask_on
         The picture that the mask was drawn on.
+    feather
+        Standard deviation in pixels of a Gaussian blur of the mask, which then says how much of each picture is taken
+        (alpha blending). 0 leaves it as it is.
 
     Returns
     -------
@@ -46,15 +51,25 @@ def plain_paste(
     """
     rows, source_rows = _overlap(offset[0], source.shape[0], destination.shape[0])
     cols, source_cols = _overlap(offset[1], source.shape[1], destination.shape[1])
-    chosen = mask[source_rows, source_cols] if mask_on == "source" else mask[rows, cols]
+    share = _softened(mask, feather)
+    share = share[source_rows, source_cols] if mask_on == "source" else share[rows, cols]
     piece = source[source_rows, source_cols]
     if piece.ndim < destination.ndim:
         piece = piece[..., None]
     if destination.ndim == 3:
-        chosen = chosen[..., None]
+        share = share[..., None]
     result = destination.copy()
-    result[rows, cols] = np.where(chosen, piece, result[rows, cols])
+    below = result[rows, cols]
+    result[rows, cols] = np.rint(below + share * (piece - below.astype(np.float64))).astype(np.uint8)
     return result
+
+
+def _softened(mask: NDArray[np.bool_], feather: float) -> NDArray[np.float64]:
+    """The share of the source in each pixel, 0 to 1."""
+    if not feather:
+        return mask.astype(np.float64)
+    image = Image.fromarray(np.where(mask, np.uint8(255), np.uint8(0)))
+    return np.asarray(image.filter(ImageFilter.GaussianBlur(feather))) / 255
 
 
 def _overlap(start: int, length: int, limit: int) -> tuple[slice, slice]:

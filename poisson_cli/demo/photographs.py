@@ -24,11 +24,14 @@ __all__ = ["CREDITS", "Coat", "Photograph", "folder", "load"]
 CREDITS: Final = {
     "astronaut.png": "Eileen Collins: NASA, public domain",
     "brick.png": "Brick wall: CC0Textures, CC0",
+    "camera.png": "Photographer in a park: Lav Varshney, CC0",
     "chelsea.png": "Chelsea the cat: Stéfan van der Walt, CC0",
     "coffee.png": "Coffee cup at Pikolo Espresso Bar: Rachel Michetti, CC0",
     "coins.png": "Greek coins from Pompeii: Brooklyn Museum, no known copyright restrictions",
     "hubble_deep_field.jpg": "Hubble eXtreme Deep Field: NASA, free use",
     "logo.png": "The scikit-image logo: the scikit-image team",
+    "moon.png": "Surface of the moon: the scikit-image team",
+    "motorcycle_left.png": "Motorcycle: D. Scharstein and others, Middlebury Stereo Datasets 2014",
     "rocket.jpg": "Falcon 9 with DSCOVR: SpaceX, public domain",
 }
 """Who to thank for each file, as scikit-image's documentation says it."""

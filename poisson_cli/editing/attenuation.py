@@ -63,7 +63,8 @@ def attenuating(
         raise InputError(f"beta is {beta}, but must be a number of at most 1")
 
     def norms(first: int, end: int) -> Guidance:
-        found = [gradient_norms(layer.rows(first, end)) for layer in layers]
+        # With memory of its own: threads ask at the same time.
+        found = [gradient_norms(layer.apart().rows(first, end)) for layer in layers]
         across, down = found[0].across, found[0].down
         for other in found[1:]:
             np.maximum(across, other.across, out=across)
@@ -96,7 +97,7 @@ def _mean_at_pairs(
     height, width = region.shape
     sums: tuple[list[Any], list[Any]] = ([], [])
     pairs = 0
-    for first, end in bands(height, width * channels):
+    for first, end in bands(0, height, width * channels):
         top, bottom = max(first - 1, 0), min(end + 1, height)
         n, r = norms(top, bottom), region[top:bottom]
         mine = slice(first - top, end - top)

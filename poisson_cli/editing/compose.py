@@ -4,8 +4,6 @@ from collections.abc import Sequence
 from time import perf_counter
 from typing import Unpack
 
-import numpy as np
-
 from poisson_cli.editing.guidance import Factors, Field
 from poisson_cli.editing.report import Edit, report_on
 from poisson_cli.editing.rescaling import solve_in_range, without_guidance
@@ -17,6 +15,7 @@ from poisson_cli.editing.window import Window
 from poisson_cli.errors import InputError
 from solvers import PoissonProblem, SolveResult
 from solvers.canvas import Canvas
+from solvers.problem import LARGEST_SCREENING
 
 
 def compose(
@@ -48,8 +47,8 @@ def compose(
     screen, robust, rescale, **options
         As in `clone`.
     """
-    if not (np.isfinite(screen) and screen >= 0):
-        raise InputError(f"screen is {screen}, but must be a number from 0")
+    if not 0 <= screen < LARGEST_SCREENING:
+        raise InputError(f"screen is {screen}, but must be a number from 0 to {LARGEST_SCREENING:g}")
     start = perf_counter()
     for transform in then:
         field = field.then(transform if callable(transform) else transform.on(scene, field.of, space))
@@ -66,13 +65,13 @@ def compose(
 
     window = window_on(field)
     mismatch, outliers = window.boundary_mismatch(), window.outliers()
-    window.seconds["guidance"] = perf_counter() - start
+    preparing = perf_counter() - start
     if rescale:
         result, scale = solve_in_range(window, window_on(without_guidance(field)), solved)
     else:
         result, scale = solved(window), 1.0
-    solving = perf_counter() - start - sum(window.seconds.values())
-    seconds = {"guidance": window.seconds["guidance"], "solve": solving, "paste": window.seconds["paste"]}
+    guidance, paste = preparing + window.guidance_time.seconds, window.paste_time.seconds
+    seconds = {"guidance": guidance, "solve": perf_counter() - start - guidance - paste, "paste": paste}
     report = report_on(
         tool,
         result,

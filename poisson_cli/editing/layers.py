@@ -1,6 +1,7 @@
 """The pictures under the window, as working values, a few rows at a time."""
 
 from collections.abc import Callable
+from copy import copy
 from functools import cached_property
 from typing import Any
 
@@ -90,6 +91,12 @@ class Layer:
                 f"the source has {own} channels but the destination has {channels}: convert one of them"
             )
         return cls(stored, channels or 1, padding, look=look, space=space)
+
+    def apart(self) -> "Layer":
+        """The same layer with memory of its own, for another thread."""
+        layer = copy(self)
+        layer._memory = np.empty(0, self._stored_dtype)
+        return layer
 
     def rows(self, first: int, end: int) -> Values:
         """Working values of rows first ... end of the window, (end - first, w, channels).

@@ -2,14 +2,17 @@
 
 import operator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from poisson_cli.errors import InputError
+from solvers.canvas import bands
 
 MaskOn = Literal["source", "destination"]
+Pixels = tuple[NDArray[np.intp], NDArray[np.intp]]
 
 
 @dataclass(frozen=True)
@@ -42,15 +45,6 @@ class Placement:
         height, width = self.region.shape
         return destination[self.top : self.top + height, self.left : self.left + width]
 
-    def has_source(self) -> NDArray[np.bool_]:
-        """(h, w) bool: which pixels of the window lie on the source."""
-        _, _, padding = self.source_window()
-        (north, south), (west, east) = padding
-        height, width = self.region.shape
-        inside = np.zeros((height, width), np.bool_)
-        inside[north : height - south, west : width - east] = True
-        return inside
-
     def source_window(self) -> tuple[slice, slice, tuple[tuple[int, int], tuple[int, int]]]:
         """Rows and columns of the source under the window, and how many the window has beyond them on each side.
 
@@ -65,15 +59,35 @@ class Placement:
             padding.append((low - start, stop - high))
         return slices[0], slices[1], (padding[0], padding[1])
 
-    def boundary(self) -> NDArray[np.bool_]:
-        """(h, w) bool: the pixels of the window outside Omega with a 4-neighbour in it."""
-        r = self.region
-        near = np.zeros_like(r)
-        near[1:] |= r[:-1]
-        near[:-1] |= r[1:]
-        near[:, 1:] |= r[:, :-1]
-        near[:, :-1] |= r[:, 1:]
-        return near & ~r
+    @cached_property
+    def boundary(self) -> Pixels:
+        """Rows and columns of the window's pixels outside Omega with a 4-neighbour in it, row by row."""
+        height, width = self.region.shape
+        rows, cols = [], []
+        for first, end in bands(0, height, width):  # what is looked at several times stays in the cache
+            near = _neighbours(self.region, first, end) & ~self.region[first:end]
+            row, col = np.divmod(np.flatnonzero(near), width)
+            rows.append(row + first)
+            cols.append(col)
+        return np.concatenate(rows), np.concatenate(cols)
+
+    def boundary_on_source(self) -> Pixels:
+        """Those of them that lie on the source."""
+        _, _, ((north, south), (west, east)) = self.source_window()
+        (row, col), (height, width) = self.boundary, self.region.shape
+        there = (north <= row) & (row < height - south) & (west <= col) & (col < width - east)
+        return (row, col) if there.all() else (row[there], col[there])
+
+
+def _neighbours(region: NDArray[np.bool_], first: int, end: int) -> NDArray[np.bool_]:
+    """(end - first, w) bool: the pixels of these rows with a 4-neighbour in the region."""
+    own = region[first:end]
+    near = np.zeros_like(own)
+    near[int(first == 0) :] |= region[max(first - 1, 0) : end - 1]
+    near[: len(region) - 1 - first] |= region[first + 1 : end + 1]
+    near[:, 1:] |= own[:, :-1]
+    near[:, :-1] |= own[:, 1:]
+    return near
 
 
 def place(

@@ -12,6 +12,7 @@ f and m are held whole, unlike anything else in an edit.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +21,11 @@ from poisson_cli.editing.guidance import Field
 from poisson_cli.editing.spaces import Space
 from poisson_cli.editing.window import Window
 from solvers import Guidance, SolveResult
-from solvers.canvas import Canvas, Correct, Values
+from solvers.canvas import Canvas, Correct, Share, Values
 
 HALVINGS = 40
+
+T = TypeVar("T")
 
 
 def without_guidance(field: Field) -> Field:
@@ -44,17 +47,26 @@ def solve_in_range(
         Solves the problem on a canvas.
     """
     whole = solved(Unpainted(window))
-    image = window.paint(_put(whole.solution))
+    image = window.paint(_put(whole.solution), _at_once(window))
     if window.overshoot == 0:
         return replace(whole, solution=image), 1.0
     none = solved(Unpainted(membrane))
     scale = largest_scale(window, whole.solution, none.solution)
     if scale < 1:
-        image = window.paint(_put(scaled(whole.solution, none.solution, scale)))
+        image = window.paint(_put(scaled(whole.solution, none.solution, scale)), _at_once(window))
     bounds = [result.error_bound for result in (whole, none) if result.error_bound is not None]
     error = max(whole.error_estimate, none.error_estimate)
     # A mean of both solutions has no larger an error than the worse one.
     return replace(whole, solution=image, error_estimate=error, error_bound=max(bounds, default=None)), scale
+
+
+def _at_once(window: Window) -> Share:
+    """All rows in one go."""
+
+    def share(operation: Callable[[int, int], T]) -> list[T]:
+        return [operation(0, window.shape[0])]
+
+    return share
 
 
 def _put(values: Values) -> Correct:
@@ -74,14 +86,19 @@ class Unpainted:
         self.shape = window.shape
         self.small_integers = window.small_integers
         self.equations = window.equations
+        self.rim = window.rim
 
-    def paint(self, correct: Correct) -> Values:
+    def paint(self, correct: Correct, share: Share) -> Values:
         """The solution before it becomes stored values."""
         solution = np.empty(self.shape, self._window.space.dtype)
-        for first, end in self._window.bands():
-            values, _, _ = self._window.guess(first, end)
-            correct(values, first)
-            solution[first:end] = values
+
+        def rows(first: int, end: int) -> None:
+            for low, high, layers in self._window.bands(first, end):
+                values, _, _ = self._window.guess(low, high, layers)
+                correct(values, low)
+                solution[low:high] = values
+
+        share(rows)
         return solution
 
 
@@ -89,8 +106,8 @@ def largest_scale(window: Window, f: Values, m: Values) -> float:
     """The largest s <= 1 for which m + s (f - m) stays in range in all of Omega."""
     low, high = window.range()
     leaving = []
-    for first, end in window.bands():
-        _, before, stored = window.guess(first, end)
+    for first, end, layers in window.bands(0, len(f)):
+        _, before, stored = window.guess(first, end, layers)
         there = window.region[first:end]
         parts = [
             None if part is None else part[there] for part in (f[first:end], m[first:end], before, stored)

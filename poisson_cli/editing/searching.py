@@ -4,8 +4,9 @@ What is compared is a rim of pixels R around the selection: an offset o costs, a
 
     sum over R of d^2 - (sum over R of d)^2 / |R|,    d = f(p) - f(p + o)
 
-which is what cannot be evened out by a constant.  Multiplied out, every sum is a correlation, and Fourier transforms
-give them for all offsets at once.
+over |R|, which is what cannot be evened out by a constant; and a quarter of the variance of the patch itself, so that
+of places with like surroundings the one with nothing in it is taken.  Multiplied out, every sum is a correlation, and
+Fourier transforms give them for all offsets at once.
 """
 
 import math
@@ -21,6 +22,8 @@ from poisson_cli.errors import InputError
 
 # Pixels around the selection that are compared.
 RIM = 4
+# Weight of the variance of the patch.
+INSIDE = 0.25
 # Pixels that are searched at once: larger pictures are reduced.
 SEARCHED = 1 << 20
 # Places that are looked at pixel by pixel after a search at reduced size, and pixels of the rim looked at for each.
@@ -77,11 +80,15 @@ class _Surroundings:
 
 @dataclass(frozen=True, eq=False)
 class _Costs:
-    """Mean squared differences, (n, m) square levels, of the offsets rows x cols; infinite where a patch cannot be."""
+    """Costs, (n, m) square levels, of the offsets rows x cols; infinite where a patch cannot be.
+
+    `inside` is the share in them that comes from the patch itself.
+    """
 
     rows: NDArray[np.intp]
     cols: NDArray[np.intp]
     cost: Float64
+    inside: Float64
 
     def best(self) -> Offset:
         """The offset that costs least; of several, the nearest."""
@@ -90,13 +97,13 @@ class _Costs:
         offsets = [(int(self.rows[i]), int(self.cols[j])) for i, j in at]
         return min(offsets, key=lambda o: (o[0] ** 2 + o[1] ** 2, o))
 
-    def best_places(self) -> list[Offset]:
-        """The offsets that cost least, none of them beside another."""
+    def best_places(self) -> list[tuple[Offset, float]]:
+        """The offsets that cost least, none of them beside another, and their patches' shares."""
         cost = self.cost.copy()
-        places: list[Offset] = []
+        places: list[tuple[Offset, float]] = []
         while len(places) < PLACES and np.isfinite(cost).any():
             i, j = np.unravel_index(cost.argmin(), cost.shape)
-            places.append((int(self.rows[i]), int(self.cols[j])))
+            places.append(((int(self.rows[i]), int(self.cols[j])), float(self.inside[i, j])))
             cost[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2] = np.inf
         return places
 
@@ -146,18 +153,22 @@ def _costs(around: _Surroundings, step: int, reach: int | None) -> _Costs:
 
     touched = np.fft.rfft2(_grown(needed, margin).astype(np.float64))
     meets = correlated(touched, covered.astype(np.float64)) > 0.5
-    number = int(np.count_nonzero(rim))
+    number, area = int(np.count_nonzero(rim)), int(np.count_nonzero(covered))
     if number == 0:  # all is selected, but for what touches the edge
-        return _Costs(rows, cols, np.full(meets.shape, np.inf))
-    cost = correlated(weights, (f * f).sum(2))
+        return _Costs(rows, cols, np.full(meets.shape, np.inf), np.zeros(meets.shape))
+    squares, patch = (f * f).sum(2), np.fft.rfft2(covered.astype(np.float64))
+    cost = correlated(weights, squares)
+    inside = correlated(patch, squares) / area
     for channel in range(f.shape[2]):
         c = f[:, :, channel]
         here = np.where(rim, c, 0.0)
         cost += (here * here).sum() - 2 * correlated(np.fft.rfft2(here), c)
         cost -= (here.sum() - correlated(weights, c)) ** 2 / number
-    cost /= number
+        inside -= (correlated(patch, c) / area) ** 2
+    inside *= INSIDE
+    cost = cost / number + inside
     cost[meets] = np.inf
-    return _Costs(rows, cols, cost)
+    return _Costs(rows, cols, cost, inside)
 
 
 def _reduced(around: _Surroundings, step: int) -> tuple[Float64, Bool]:
@@ -190,7 +201,7 @@ def _grown(region: Bool, pixels: int) -> Bool:
     return grown
 
 
-def _refined(around: _Surroundings, places: list[Offset], step: int) -> Offset:
+def _refined(around: _Surroundings, places: list[tuple[Offset, float]], step: int) -> Offset:
     """The best offset less than `step` pixels away from one of the places (in units of `step`)."""
     whole = tuple(slice(length // step * step) for length in around.region.shape)  # as in `_costs`
     rows, cols = np.nonzero((_grown(around.region, RIM) & ~around.region)[whole])
@@ -199,8 +210,8 @@ def _refined(around: _Surroundings, places: list[Offset], step: int) -> Offset:
     f = around.stored[rows, cols] / around.level
     near = range(1 - step, step)
     best: list[tuple[float, int, Offset]] = []
-    for place in places:
+    for place, inside in places:
         for offset in ((place[0] * step + i, place[1] * step + j) for i in near for j in near):
             d = f - around.stored[rows + offset[0], cols + offset[1]] / around.level
-            best.append((float(d.var(0).sum()), offset[0] ** 2 + offset[1] ** 2, offset))
+            best.append((float(d.var(0).sum()) + inside, offset[0] ** 2 + offset[1] ** 2, offset))
     return min(best)[2]

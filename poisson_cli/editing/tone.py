@@ -71,7 +71,9 @@ def to_storage(working: Values, dtype: np.dtype[Any]) -> NDArray[Any]:
 
 
 def excess(working: Values, dtype: np.dtype[Any]) -> float:
-    """How far the values leave the range of a depth, in stored units; 0 if none does."""
+    """How far the values leave the range of a depth, in stored units; 0 if none does, or if there are none."""
+    if working.size == 0:
+        return 0.0
     return max(0.0, -float(working.min()), float(working.max()) - FULL_SCALE[dtype.type])
 
 

@@ -5,7 +5,7 @@ the pictures themselves nothing here is as large as a picture.
 """
 
 from collections.abc import Iterator
-from time import perf_counter
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,14 @@ from poisson_cli.editing.guidance import Field
 from poisson_cli.editing.layers import Band, Layer, Points
 from poisson_cli.editing.placement import Placement
 from poisson_cli.editing.spaces import AsStored, Space
-from solvers.canvas import Correct, Equations, Values, bands
+from poisson_cli.editing.stopwatch import Stopwatch
+from solvers.canvas import Correct, Equations, Rim, Share, Values, bands, with_channels
+
+# Boundary pixels that are looked at for the share of outliers; of more, every so manieth.
+SAMPLE = 1 << 14
+
+# The destination and the source.
+Layers = tuple[Layer, Layer | None]
 
 
 class Window:
@@ -46,8 +53,8 @@ class Window:
         Values that left the range of the picture and were clipped, once it is painted.
     overshoot : float
         How far values left the range, in levels, once it is painted.
-    seconds : dict
-        Spent on "guidance" and on "paste" so far.
+    guidance_time, paste_time : Stopwatch
+        For making equations, and for painting.
     """
 
     def __init__(
@@ -67,12 +74,13 @@ class Window:
         self.region = placement.region
         self._destination = Layer.of_destination(destination, placement, space)
         self._source = source
+        self._idle = [(self._destination, source)]
         self.space = self._destination.space
         self._shift = self._mean_shift() if self.region.all() and not drawn else None
         self._rim = self._winsorised_rim() if robust else None
         self.clipped = 0
         self.overshoot = 0.0
-        self.seconds = {"guidance": 0.0, "paste": 0.0}
+        self.guidance_time, self.paste_time = Stopwatch(), Stopwatch()
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -91,54 +99,66 @@ class Window:
             and (self._source is None or self._source.look is None)
         )
 
-    def equations(self) -> Iterator[Equations]:
+    def equations(self, first: int, end: int) -> Iterator[Equations]:
         """f* - a outside Omega, zero in it, and the field's w."""
         height = self.shape[0]
-        for first, end in self.bands():
-            start = perf_counter()
-            top, bottom = max(first - 1, 0), min(end + 1, height)
-            band = self.band(top, bottom)
-            w = self.field.beyond(band) if self.field.beyond is not None else None
-            f, base = band.destination, self.field.base(band)
-            np.copyto(_pixels(f), _pixels(base), where=self.region[top:bottom])
-            f -= base
-            if self._rim is not None:
-                rows, cols, differences = self._rim
-                here = slice(*np.searchsorted(rows, (top, bottom)))
-                f[rows[here] - top, cols[here]] = differences[here]
-            across, down = (None, None) if w is None else (w.across, w.down)
-            self.seconds["guidance"] += perf_counter() - start
-            yield Equations(first, end, top, f, across, down)
+        for low, high, layers in self.bands(first, end):
+            with self.guidance_time:
+                top, bottom = max(low - 1, 0), min(high + 1, height)
+                band = Band(*layers, top, bottom)
+                w = self.field.beyond(band) if self.field.beyond is not None else None
+                f, base = band.destination, self.field.base(band)
+                np.copyto(_pixels(f), _pixels(base), where=self.region[top:bottom])
+                f -= base
+                if self._rim is not None:
+                    rows, cols, differences = self._rim
+                    here = slice(*np.searchsorted(rows, (top, bottom)))
+                    f[rows[here] - top, cols[here]] = differences[here]
+                across, down = (None, None) if w is None else (w.across, w.down)
+            yield Equations(low, high, top, f, across, down)
 
-    def paint(self, correct: Correct) -> NDArray[Any]:
+    def paint(self, correct: Correct, share: Share) -> NDArray[Any]:
         """The destination with a + u in Omega, rounded and clipped as its depth asks for."""
-        start = perf_counter()
-        self.clipped, self.overshoot = 0, 0.0
-        picture = self._picture.copy()
-        window = self._placement.on_destination(picture)
-        window = window.reshape(*self.region.shape, -1)
-        for first, end in self.bands():
-            working, before, stored = self.guess(first, end)
-            correct(working, first)
-            values = self.space.to_stored(working, before, stored)
-            self._measure(values, first, end)
-            np.copyto(
-                _pixels(window[first:end]),
-                _pixels(tone.to_storage(values, picture.dtype)),
-                where=self.region[first:end],
-            )
-        self.seconds["paste"] += perf_counter() - start
+        with self.paste_time:
+            top = self._placement.top
+            bottom = top + len(self.region)
+            picture = np.empty(self._picture.shape, self._picture.dtype)
+            picture[:top], picture[bottom:] = self._picture[:top], self._picture[bottom:]
+            window = with_channels(self._placement.on_destination(picture))
+
+            def rows(first: int, end: int) -> tuple[int, float]:
+                """How many values were clipped, and how far the furthest left the range."""
+                clipped, overshoot = 0, 0.0
+                for low, high, layers in self.bands(first, end):
+                    picture[top + low : top + high] = self._picture[top + low : top + high]
+                    if not self.region[low:high].any():
+                        continue  # between parts that lie far apart
+                    working, before, stored = self.guess(low, high, layers)
+                    correct(working, low)
+                    values = self.space.to_stored(working, before, stored)
+                    left = self._left_range(values, low, high)
+                    clipped, overshoot = clipped + left[0], max(overshoot, left[1])
+                    np.copyto(
+                        _pixels(window[low:high]),
+                        _pixels(tone.to_storage(values, picture.dtype)),
+                        where=self.region[low:high],
+                    )
+                return clipped, overshoot
+
+            left = share(rows)
+            self.clipped = sum(clipped for clipped, _ in left)
+            self.overshoot = max(overshoot for _, overshoot in left)
         return picture
 
-    def guess(self, first: int, end: int) -> tuple[Values, Values | None, Values | None]:
+    def guess(self, first: int, end: int, layers: Layers) -> tuple[Values, Values | None, Values | None]:
         """The first guess of f in rows of the window: a, where nothing is known of the mean of f*.
 
         And for spaces that must know (`Space.to_stored`), if a is a picture: its working values once more, and its
-        stored ones.
+        stored ones.  `layers` are what `bands` hands out with the rows.
         """
-        base = self.field.base(self.band(first, end))
+        base = self.field.base(Band(*layers, first, end))
         before = stored = None
-        layer = {None: None, "source": self._source, "destination": self._destination}[self.field.picture]
+        layer = {None: None, "destination": layers[0], "source": layers[1]}[self.field.picture]
         if layer is not None and not isinstance(self.space, AsStored):
             before, stored = base.copy(), layer.stored_rows(first, end)
         if self._shift is not None:
@@ -147,67 +167,79 @@ class Window:
 
     def range(self) -> tuple[float, float]:
         """The range of the picture in stored values; wider where known values of a float picture leave it."""
-        known = self._destination.stored_at(*np.nonzero(self._placement.boundary()))
+        known = self._destination.stored_at(*self._placement.boundary)
         full = tone.FULL_SCALE[self._picture.dtype.type]
         return min(0.0, float(known.min(initial=0))), max(full, float(known.max(initial=full)))
+
+    def rim(self) -> Rim | None:
+        """The boundary's f* - a, where that is all there is to know."""
+        if self.field.beyond is not None or not self.small_integers:
+            return None
+        rows, cols = self._placement.boundary
+        return Rim(rows, cols, np.ascontiguousarray(self._differences, np.float32))
 
     def boundary_mismatch(self) -> tuple[float, ...] | None:
         """Per channel, the mean of |f* - g| over the boundary, in levels; None where no boundary pixel has a source."""
         if self._source is None:
             return None
-        there = np.nonzero(self._placement.boundary() & self._placement.has_source())
+        there = self._placement.boundary_on_source()
         if there[0].size == 0:
             return None
-        mismatch = np.abs(self._destination.stored_at(*there) - self._source.stored_at(*there))
+        if self.small_integers and self.field.picture == "source" and there is self._placement.boundary:
+            mismatch = np.abs(self._differences)
+        else:
+            mismatch = np.abs(self._destination.stored_at(*there) - self._source.stored_at(*there))
         return tuple(float(m) for m in mismatch.mean(0, dtype=np.float64) / tone.level(self._picture.dtype))
 
     def outliers(self) -> float | None:
-        """The share of the boundary's pixels that are outliers, before anything is done about them."""
-        rows, cols = np.nonzero(self._placement.boundary())
-        if self._source is None or rows.size == 0:
+        """The share of outliers among the boundary's pixels, or some of them, before anything is done about them."""
+        if self._source is None or len(self._differences) == 0:
             return None
-        far = boundary.outlyingness(self._differences(rows, cols), self.space.level)
-        return float(np.mean(far > 1))
+        some = self._differences[:: 1 + len(self._differences) // SAMPLE]
+        return float(np.mean(boundary.outlyingness(some, self.space.level) > 1))
 
     def _winsorised_rim(self) -> tuple[NDArray[np.intp], NDArray[np.intp], Values] | None:
         """Rows, columns and known values of the boundary's pixels, by rows; None if there are none."""
-        rows, cols = np.nonzero(self._placement.boundary())
+        rows, cols = self._placement.boundary
         if rows.size == 0:
             return None
-        return rows, cols, boundary.winsorised(self._differences(rows, cols), self.space.level)
+        return rows, cols, boundary.winsorised(self._differences, self.space.level)
 
-    def _differences(self, rows: NDArray[np.intp], cols: NDArray[np.intp]) -> Values:
-        """f* - a at pixels of the window."""
-        points = Points(self._destination, self._source, rows, cols)
+    @cached_property
+    def _differences(self) -> Values:
+        """f* - a at the boundary's pixels."""
+        points = Points(self._destination, self._source, *self._placement.boundary)
         return points.destination - self.field.base(points)
 
-    def _measure(self, values: Values, first: int, end: int) -> None:
-        """Notes how far values of Omega leave the range, and how many are clipped."""
+    def _left_range(self, values: Values, first: int, end: int) -> tuple[int, float]:
+        """How many values of Omega in these rows are clipped, and how far the furthest leaves the range, in levels."""
         dtype = self._picture.dtype
-        if tone.excess(values, dtype) > 0:
-            inside = values[self.region[first:end]]
-            if inside.size:
-                self.overshoot = max(self.overshoot, tone.excess(inside, dtype) / tone.level(dtype))
-                self.clipped += tone.count_clipped(inside, dtype)
+        if tone.excess(values, dtype) == 0:
+            return 0, 0.0
+        # Beside Omega a is a picture of small integers, and in range, or else anything.
+        inside = values if self.small_integers else values[self.region[first:end]]
+        return tone.count_clipped(inside, dtype), tone.excess(inside, dtype) / tone.level(dtype)
 
     def _mean_shift(self) -> NDArray[Any]:
         """The mean of f* less that of a, per channel."""
         height, width, channels = self.shape
         total = np.zeros(channels)
-        for first, end in self.bands():
-            band = self.band(first, end)
+        for first, end, layers in self.bands(0, height):
+            band = Band(*layers, first, end)
             for sign, picture in ((1, band.destination), (-1, self.field.base(band))):
                 total += sign * picture.sum((0, 1), dtype=np.float64)
         return (total / (height * width)).astype(self.space.dtype)
 
-    def band(self, first: int, end: int) -> Band:
-        """Both pictures in rows of the window."""
-        return Band(self._destination, self._source, first, end)
-
-    def bands(self) -> Iterator[tuple[int, int]]:
-        """First and end row of each band."""
-        height, width, channels = self.shape
-        return bands(height, width * channels)
+    def bands(self, first: int, end: int) -> Iterator[tuple[int, int, Layers]]:
+        """First and end row of each band of these rows, and both pictures: they are nobody else's."""
+        _, width, channels = self.shape
+        try:
+            layers = self._idle.pop()
+        except IndexError:  # all in use, by other threads
+            layers = self._destination.apart(), None if self._source is None else self._source.apart()
+        for low, high in bands(first, end, width * channels):
+            yield low, high, layers
+        self._idle.append(layers)
 
 
 def _pixels(values: NDArray[Any]) -> NDArray[np.void]:

@@ -32,7 +32,10 @@ def peek(path: Path) -> tuple[int, int] | None:
     try:
         if not stat.S_ISREG(os.stat(path).st_mode):
             return None
-        with decoding(str(path), PNG), Image.open(path, formats=[form.codec for form in FORMATS]) as image:
+        with (
+            decoding(str(path), PNG),
+            Image.open(path, formats=[form.pillow for form in FORMATS if form.pillow]) as image,
+        ):
             return image.height, image.width
     except (OSError, ValueError, InputError):
         return None

@@ -17,6 +17,7 @@ order of the values, NaN and infinity stand above everything, so neither can hid
     setup     from a region to the coefficients of all levels
     cycle     relaxation, restriction, interpolation, exact solution: the steps of a cycle
     exact     between pictures and the layout, and between float32 and float64
+    narrow    elimination where a region is narrow: a layout of its own, see `solvers.narrow`
 
 A module's kernels call no kernel of another module: numba's cache on disk does not see edits there.
 """

@@ -14,25 +14,22 @@ ABS_BITS = np.int64(0x7FFFFFFFFFFFFFFF)  # all but the sign of a float64
 @jit
 def add_difference(sums, a, b):
     """sums += a - b; the arrays are at least as long as `sums`."""
-    as_sum = sums.dtype.type
     for i in range(sums.shape[0]):
-        sums[i] += as_sum(a[i]) - as_sum(b[i])
+        sums[i] += np.float64(a[i]) - np.float64(b[i])
 
 
 @jit
 def add_differences(sums, a, b, middle):
     """sums += (a - middle) + (b - middle)."""
-    as_sum = sums.dtype.type
     for i in range(sums.shape[0]):
-        sums[i] += (as_sum(a[i]) - as_sum(middle[i])) + (as_sum(b[i]) - as_sum(middle[i]))
+        sums[i] += (np.float64(a[i]) - np.float64(middle[i])) + (np.float64(b[i]) - np.float64(middle[i]))
 
 
 @jit
 def set_differences(sums, a, b, middle):
     """sums = (a - middle) + (b - middle)."""
-    as_sum = sums.dtype.type
     for i in range(sums.shape[0]):
-        sums[i] = (as_sum(a[i]) - as_sum(middle[i])) + (as_sum(b[i]) - as_sum(middle[i]))
+        sums[i] = (np.float64(a[i]) - np.float64(middle[i])) + (np.float64(b[i]) - np.float64(middle[i]))
 
 
 @jit
@@ -93,10 +90,9 @@ def residual_of_row(line, values, across, down, rhs, y, is_first, is_last, low, 
 def assemble(b, line, total, values, across, down, rhs, top, first, end, weight, diagonal, runs, table):
     """b = the problem's residual at f + total, for rows first ... end of the image (`first` is even).
 
-    line: scratch for width * channels sums, of the type that they are to be summed in.  total: as b, or empty for
-    zeros.  values: (n, width, channels) f, known outside the region, first guess inside; row `top` of the image comes
-    first.  across, down: v on pixel pairs (`Guidance`); rhs: like values; arrays without rows stand for zeros.  runs:
-    those of the rows.
+    line: scratch for width * channels sums, float64.  total: as b, or empty for zeros.  values: (n, width, channels) f,
+    known outside the region, first guess inside; row `top` of the image comes first.  across, down: v on pixel pairs
+    (`Guidance`); rhs: like values; arrays without rows stand for zeros.  runs: those of the rows.
 
     Returns whether float32 held every value of b exactly.
     """
@@ -134,10 +130,29 @@ def assemble(b, line, total, values, across, down, rhs, top, first, end, weight,
                             target[i] = sums[step * i] - image if w[i] > 0 else 0.0
                     else:
                         for i in range(places):
-                            sum_ = sums[step * i] if w[i] > 0 else line.dtype.type(0)
+                            sum_ = sums[step * i] if w[i] > 0 else 0.0
                             target[i] = sum_
                             inexact += np.float32(sum_) != sum_
     return inexact == 0
+
+
+@jit
+def assemble_rim(b, values, rows, cols, weight, table):
+    """The same where the first guess and v are zero: b += the known values beside each unknown; b holds zeros.
+
+    values: (n, channels) of the known pixels in `rows` and `cols`.  They are integers: the order of a sum is nothing.
+    """
+    height, width, stride, size = table[0, HEIGHT], table[0, WIDTH], table[0, STRIDE], table[0, QUARTER]
+    for k in range(rows.shape[0]):
+        for side in range(4):
+            row = rows[k] + (side - 1 if side & 1 == 0 else 0)
+            col = cols[k] + (side - 2 if side & 1 == 1 else 0)
+            if row < 0 or row >= height or col < 0 or col >= width:
+                continue
+            at = (2 * (row & 1) + (col & 1)) * size + (row // 2 + 1) * stride + col // 2
+            if weight[at] > 0:
+                for channel in range(values.shape[1]):
+                    b[4 * channel * size + at] += values[k, channel]
 
 
 # --- the solution ------------------------------------------------------------------------------------------------

@@ -2,42 +2,71 @@
 
 from solvers.native import Library
 
+# Pictures are float32 or float64 throughout.
+_ASSEMBLE = (
+    "f4[:], f8[:], f4[:], {v}[:,:,:], {v}[:,:,:], {v}[:,:,:], {v}[:,:,:], i8, i8, i8,"
+    " f4[:], f4[:], i4[:,:], i8[:,:] -> b1"
+)
+_ADD_SOLUTION = "{v}[:,:,:], f8[:], f4[:], f4[:], i8, i4[:,:], i8[:,:]"
+
 # Name -> signatures: arguments -> results, see `solvers.native.signature`.  Kernels that only kernels call need none.
+# They are compiled side by side in this order, so what takes longest comes first (run_steps, 2 s, clear, .1 s).
 ENTRY_POINTS = {
-    "find_runs": ["i4[:,:], b1[:,:], i8 -> i8"],
-    "coarsen_runs": ["i4[:,:], i4[:,:], i8 -> i8"],
-    "join_runs": ["i8[:,:], i4[:,:], i8, i8, i8, i8 -> i8"],
-    "weigh_region": ["f4[:], f4[:], b1[:,:], i4[:,:], i8[:,:]"],
-    "coarsen_region": ["f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], i4[:,:], i8[:,:]"],
-    "coarsen": ["f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], i4[:,:], i8[:,:], i8"],
-    "weigh": ["f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8 -> i8"],
-    "screen_region": ["f4[:], f4[:], f4[:], i8[:,:], i8[:,:], f4"],
-    "coarsen_mass": ["f4[:], f4[:], i4[:,:], i8[:,:], i8"],
-    "add_mass": ["f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8"],
-    "factor_band": ["f8[:,:]"],
-    "relax_over": ["f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8, i8, f4, i8, i8"],
     "run_steps": [
         "f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f8[:,:], i8[:], f4[:], f8[:], i4[:,:], i8[:,:], i8[:,:], i8[:,:], i8"
         " -> i4, i4, i4"
     ],
-    # Pictures are float32 or float64 throughout; float32 ones of small integers are summed in float32.
-    "assemble": [
-        f"f4[:], {line}[:], f4[:], {v}[:,:,:], {v}[:,:,:], {v}[:,:,:], {v}[:,:,:], i8, i8, i8,"
-        " f4[:], f4[:], i4[:,:], i8[:,:] -> b1"
-        for line, v in (("f4", "f4"), ("f8", "f4"), ("f8", "f8"))
-    ],
-    "add_solution": [f"{v}[:,:,:], f8[:], f4[:], f4[:], i8, i4[:,:], i8[:,:]" for v in ("f4", "f8")],
+    "assemble": [_ASSEMBLE.format(v="f4")],
+    "coarsen_region": ["f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], i4[:,:], i8[:,:]"],
+    "coarsen": ["f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], i4[:,:], i8[:,:], i8"],
+    "subtract_image": ["f4[:], f8[:], f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8, b1 -> i8"],
+    "add_solution": [_ADD_SOLUTION.format(v="f4")],
+    "weigh": ["f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8 -> i8"],
+    "find_runs": ["i4[:,:], b1[:,:], i8 -> i8"],
+    "weigh_region": ["f4[:], f4[:], b1[:,:], i4[:,:], i8[:,:]"],
+    "relax_over": ["f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8, i8, f4, i8, i8"],
+    "assemble_rim": ["f4[:], f4[:,:], i8[:], i8[:], f4[:], i8[:,:]"],
+    "coarsen_runs": ["i4[:,:], i4[:,:], i8 -> i8"],
+    "join_runs": ["i8[:,:], i4[:,:], i8, i8, i8, i8 -> i8"],
+    "factor_band": ["f8[:,:]"],
     "solve_coarsest": ["f4[:], f4[:], f8[:,:], i8[:], f8[:], i8[:,:], i8, i8 -> i4"],
     "fold": ["f4[:], f4[:], i8[:,:], i8[:,:], i8"],
     "clear": ["f4[:], i8[:,:], i8[:,:], i8"],
-    "subtract_image": ["f4[:], f8[:], f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8, b1 -> i8"],
+    "survey": ["b1[:,:], i8, i8 -> i8, i8"],
+}
+
+# What only some callers need: float64 throughout, regions with narrow parts, screening.
+FURTHER = {
+    "solve_parts": [
+        "f8[:,:], b1[:], i4[:], f8[:], i4[:], f8[:], i4[:], i4[:], f8[:,:], i4[:,:], i4[:], i4[:], i4[:], i8, i8, i8"
+        " -> i8"
+    ],
+    "assemble": [_ASSEMBLE.format(v="f8")],
+    "sum_pairs": [
+        f"f8[:,:], i8[:], i4[:,:], {v}[:,:,:], {v}[:,:,:], {v}[:,:,:], {v}[:,:,:], i8, i8, i8"
+        for v in ("f4", "f8")
+    ],
+    "find_parts": ["i4[:], i4[:], i4[:], i4[:], i4[:,:], i8, i8, i8 -> i8, i8"],
+    "link": ["i4[:,:], i8[:], i8, i8"],
+    "sort_parts": ["i4[:], i4[:], i4[:], i4[:], i4[:]"],
+    "add_solution": [_ADD_SOLUTION.format(v="f8")],
+    "add_at": [f"{v}[:,:,:], f8[:,:], i8[:], i8, i8, i8" for v in ("f4", "f8")],
+    "screen_region": ["f4[:], f4[:], f4[:], i8[:,:], i8[:,:], f4"],
+    "coarsen_mass": ["f4[:], f4[:], i4[:,:], i8[:,:], i8"],
+    "add_mass": ["f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8"],
 }
 
 # Without the GIL: callers use threads.  Division by zero follows IEEE, as in numpy.  No fastmath: a NaN must be seen.
 library = Library(
-    modules=("solvers.kernels.setup", "solvers.kernels.cycle", "solvers.kernels.exact"),
+    modules=(
+        "solvers.kernels.setup",
+        "solvers.kernels.cycle",
+        "solvers.kernels.exact",
+        "solvers.kernels.narrow",
+    ),
     ingredients=("solvers.kernels.policy", "solvers.layout"),
     signatures=ENTRY_POINTS,
+    further=FURTHER,
     options={"nogil": True, "error_model": "numpy", "boundscheck": False},
     home=__name__,
 )

@@ -1,4 +1,8 @@
-"""The kernels of a package as one library: declared here, compiled and loaded when the first of them is called."""
+"""The kernels of a package as one library: declared here, compiled and loaded when the first of them is called.
+
+It comes in two volumes, each compiled when one of its kernels is called: what nearly every caller needs, and the rest,
+so that nobody waits for what is of no use to them.
+"""
 
 import ctypes
 import functools
@@ -16,6 +20,8 @@ if TYPE_CHECKING:
     from solvers.native.store import Shelf
 
 Mode = Literal["native", "numba", "python"]
+Volume = Literal["usual", "further"]
+VOLUMES: tuple[Volume, ...] = get_args(Volume)
 
 MODE_VARIABLE = "POISSON_KERNELS"
 
@@ -43,6 +49,8 @@ class Library:
         Further modules whose source the compiled code depends on.
     signatures : mapping
         Function name -> signatures of the entry points: what Python calls.  See `solvers.native.signature`.
+    further : mapping
+        The same for the second volume; a function may have signatures in both.
     options : mapping
         For numba's ``njit``.
     home : str
@@ -51,7 +59,8 @@ class Library:
     Attributes
     ----------
     listener : callable or None
-        Told when the library has to be compiled: called with None before, with the seconds it took afterwards.
+        Told when a volume has to be compiled: called with its name and None before, with its name and the seconds it
+        took afterwards.
     helpers : bool
         Whether compiling may start further Python processes; a program that is more than `python` may not want that.
     trouble : str or None
@@ -67,19 +76,21 @@ class Library:
         signatures: Mapping[str, Sequence[str]],
         options: Mapping[str, Any],
         home: str,
+        further: Mapping[str, Sequence[str]] | None = None,
     ) -> None:
         self.home = home
         self.helpers = False
         self.modules = tuple(modules)
         self.ingredients = tuple(ingredients)
-        self.signatures = {
-            name: tuple(Signature.of(text) for text in texts) for name, texts in signatures.items()
-        }
+        self.signatures: dict[str, list[tuple[Volume, Signature]]] = {}
+        for volume, declared in zip(VOLUMES, (signatures, further or {}), strict=True):
+            for name, texts in declared.items():
+                self.signatures.setdefault(name, []).extend((volume, Signature.of(text)) for text in texts)
         self.options = dict(options)
-        self.listener: Callable[[float | None], None] | None = None
+        self.listener: Callable[[Volume, float | None], None] | None = None
         self.trouble: str | None = None
         self.unkept: str | None = None
-        self._addresses: dict[str, int] | None = None
+        self._addresses: dict[Volume, dict[str, int]] = {}
         self._twins: dict[str, ModuleType] = {}
         self._lock = threading.RLock()
 
@@ -99,7 +110,7 @@ class Library:
             if signatures is None:
                 return function
             # A kernel that was changed, and its signature not yet, is left to numba.
-            fitting = [s for s in signatures if len(s.arguments) == function.__code__.co_argcount]
+            fitting = [s for s in signatures if len(s[1].arguments) == function.__code__.co_argcount]
             return Kernel(self, function, tuple(fitting))
 
         return declare
@@ -111,57 +122,57 @@ class Library:
             found += [v for v in vars(importlib.import_module(name)).values() if isinstance(v, Kernel)]
         return found
 
-    def symbols(self) -> list[str]:
-        """Names of all compiled entry points."""
-        return [kernel.symbol(k) for kernel in self.kernels() for k in range(len(kernel.signatures))]
+    def symbols(self, volume: Volume) -> list[str]:
+        """Names of all compiled entry points of a volume."""
+        return [kernel.symbol(k) for kernel in self.kernels() for k in kernel.of(volume)]
 
-    def addresses(self) -> dict[str, int]:
+    def addresses(self, volume: Volume) -> dict[str, int]:
         """Addresses of the compiled entry points by symbol; empty if they cannot be had.  Compiles where it must."""
         with self._lock:
-            if self._addresses is None:
+            if volume not in self._addresses:
                 try:
-                    self._addresses = self._load()
+                    self._addresses[volume] = self._load(volume)
                 except Exception as error:
                     self.trouble = f"{type(error).__name__}: {error}"
-                    self._addresses = {}
-            return self._addresses
+                    self._addresses[volume] = {}
+            return self._addresses[volume]
 
-    def _load(self) -> dict[str, int]:
-        from solvers.native import loading, store
+    def _load(self, volume: Volume) -> dict[str, int]:
+        from solvers.native import loading
 
         loading.check_process()
-        symbols = self.symbols()
-        shelf = self.shelf()
+        symbols = self.symbols(volume)
+        shelf = self.shelf(volume)
         found = shelf.read()
         if found is not None:
             try:
-                return loading.load(store.unpacked_list(found), symbols)
-            except (loading.LoadError, ValueError):
+                return loading.load(found, symbols)
+            except loading.LoadError:
                 pass  # whole, but not what was expected: compile it anew
         with shelf.locked():
             # Another process may have been faster.
             again = shelf.read()
             if again is not None and again != found:
-                return loading.load(store.unpacked_list(again), symbols)
+                return loading.load(again, symbols)
             start = perf_counter()
-            self._tell(None)
+            self._tell(volume, None)
             from solvers.native import building
 
-            objects = building.build(self)
-            if not shelf.write(store.packed_list(objects)):
+            content = loading.content_of(building.build(self, volume), symbols)
+            if not shelf.write(content):
                 self.unkept = shelf.trouble
-            self._tell(perf_counter() - start)
-        return loading.load(objects, symbols)
+            self._tell(volume, perf_counter() - start)
+        return loading.load(content, symbols)
 
-    def shelf(self) -> "Shelf":
-        """Where the compiled library is kept, or will be."""
+    def shelf(self, volume: Volume) -> "Shelf":
+        """Where a compiled volume is kept, or will be."""
         from solvers.native import loading, store
 
-        return store.Shelf(store.key_of(self, loading.host()))
+        return store.Shelf(store.key_of(self, volume, loading.host()))
 
-    def _tell(self, seconds: float | None) -> None:
+    def _tell(self, volume: Volume, seconds: float | None) -> None:
         if self.listener is not None:
-            self.listener(seconds)
+            self.listener(volume, seconds)
 
     def dispatcher(self, kernel: "Kernel") -> Callable[..., Any]:
         """The kernel as plain numba compiles it."""
@@ -184,23 +195,27 @@ class Kernel:
 
     __name__: str
 
-    def __init__(self, library: Library, function: FunctionType, signatures: tuple[Signature, ...]) -> None:
+    def __init__(
+        self, library: Library, function: FunctionType, signatures: tuple[tuple[Volume, Signature], ...]
+    ) -> None:
         functools.update_wrapper(self, function)
         self.library = library
         self.plain = function
-        self.signatures = signatures
-        self._variants: list[Callable[..., Any]] | None = None
+        self.signatures = tuple(signature for _, signature in signatures)
+        self._volumes = tuple(volume for volume, _ in signatures)
+        self._variants: dict[Volume, list[Callable[..., Any]]] = {}
         self._other: Callable[..., Any] | None = None
 
     def __call__(self, *arguments: Any) -> Any:
         """Run it."""
-        variants = self._variants
-        if variants is None:
-            variants = self._resolve()
-        for variant in variants:
-            result = variant(*arguments)
-            if result is not NotImplemented:
-                return result
+        for volume in VOLUMES:
+            variants = self._variants.get(volume)
+            if variants is None:
+                variants = self._resolve(volume)
+            for variant in variants:
+                result = variant(*arguments)
+                if result is not NotImplemented:
+                    return result
         if self._other is None:
             self._other = self.plain if mode() == "python" else self.library.dispatcher(self)
         return self._other(*arguments)
@@ -209,11 +224,17 @@ class Kernel:
         """Name of the k-th signature's compiled code."""
         return f"poisson_{self.__module__.replace('.', '_')}_{self.__name__}_{k}"
 
-    def _resolve(self) -> list[Callable[..., Any]]:
-        addresses = self.library.addresses() if mode() == "native" else {}
-        found = [(k, signature) for k, signature in enumerate(self.signatures) if self.symbol(k) in addresses]
-        self._variants = [_variant(signature, addresses[self.symbol(k)]) for k, signature in found]
-        return self._variants
+    def of(self, volume: Volume) -> list[int]:
+        """Which of the signatures a volume has."""
+        return [k for k, its in enumerate(self._volumes) if its == volume]
+
+    def _resolve(self, volume: Volume) -> list[Callable[..., Any]]:
+        wanted = self.of(volume)
+        addresses = self.library.addresses(volume) if wanted and mode() == "native" else {}
+        there = [k for k in wanted if self.symbol(k) in addresses]
+        found = [_variant(self.signatures[k], addresses[self.symbol(k)]) for k in there]
+        self._variants[volume] = found
+        return found
 
 
 def _variant(signature: Signature, address: int) -> Callable[..., Any]:

@@ -1,4 +1,4 @@
-"""From the bytes of a relocatable object to addresses of functions; imports llvmlite's binding, not numba.
+"""From what lies in the cache to addresses of functions; imports neither numba nor, where it can do without, llvmlite.
 
 Compiled code gets an array as the Python object that it is, and reads from it where the values lie and how many there
 are.  That is numpy's public C structure, the same since 1.0; `check_process` looks all the same.
@@ -6,24 +6,23 @@ are.  That is numpy's public C structure, the same since 1.0; `check_process` lo
 
 import ctypes
 import os
-from typing import Any
+import sys
+from collections.abc import Sequence
 
-import llvmlite
-import llvmlite.binding as llvm
 import numpy as np
+
+from solvers.native import image
+from solvers.native.store import packed_list, unpacked_list
 
 # Offsets of ``data`` and ``dimensions`` in ``PyArrayObject_fields``: behind the head come data, nd, dimensions.
 ARRAY_DATA = object.__basicsize__
 ARRAY_SHAPE = ARRAY_DATA + 2 * ctypes.sizeof(ctypes.c_void_p)
 
-# Functions of the C library that compiled code may call.
-FROM_THE_PROCESS = ("memset", "memcpy", "memmove", "sqrt")
-
-_engines: list[Any] = []  # an engine frees its code when it goes
+_IMAGE, _OBJECTS = b"image", b"objects"  # what the content holds
 
 
 class LoadError(Exception):
-    """The object cannot be linked into this process."""
+    """There is no loading it into this process."""
 
 
 def check_process() -> None:
@@ -32,7 +31,7 @@ def check_process() -> None:
         raise LoadError("made for 64-bit systems with shared libraries of the Unix kind")
     # LLVM ends the process if it does not find a function, so this is asked first.
     process = ctypes.CDLL(None)
-    if missing := [name for name in FROM_THE_PROCESS if not hasattr(process, name)]:
+    if missing := [name for name in image.FROM_THE_PROCESS if not hasattr(process, name)]:
         raise LoadError(f"not in this process: {', '.join(missing)}")
     array = np.zeros((3, 5), np.float32)
     data, shape = (ctypes.c_void_p.from_address(id(array) + at).value for at in (ARRAY_DATA, ARRAY_SHAPE))
@@ -45,36 +44,57 @@ def check_process() -> None:
 
 
 def host() -> str:
-    """What compiled code depends on besides its source: the machine, and the linker's version."""
-    features = llvm.get_host_cpu_features().flatten()
-    return "\n".join((llvm.get_process_triple(), llvm.get_host_cpu_name(), features, llvmlite.__version__))
+    """What compiled code depends on besides its source and its compilers: the machine."""
+    if image.possible():
+        from solvers.native.processor import processor
+
+        return f"{sys.platform} {processor()}"
+    from solvers.native import linker
+
+    return linker.host()
 
 
-def target_machine() -> Any:
-    """LLVM's description of this machine."""
-    llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
-    return llvm.Target.from_triple(llvm.get_process_triple()).create_target_machine(
-        cpu=llvm.get_host_cpu_name(),
-        features=llvm.get_host_cpu_features().flatten(),
-        opt=3,
-        reloc="static" if llvm.get_process_triple().startswith("x86_64") else "default",  # as numba does
-        codemodel="jitdefault",
-        jit=True,
-    )
+def content_of(objects: Sequence[bytes], symbols: Sequence[str]) -> bytes:
+    """What is to be kept of compiled objects: an image of them where one can be made, else themselves."""
+    if image.possible():
+        try:
+            code, offsets = image.link(objects, symbols)
+        except image.ImageError:
+            pass  # LLVM knows more
+        else:
+            return packed_list([_IMAGE, code, *(offset.to_bytes(8, "little") for offset in offsets)])
+    return packed_list([_OBJECTS, *objects])
 
 
-def load(objects: list[bytes], symbols: list[str]) -> dict[str, int]:
-    """Addresses of functions by name; raises `LoadError` if one is missing."""
+def load(content: bytes, symbols: Sequence[str]) -> dict[str, int]:
+    """Addresses of functions by name.
+
+    Parameters
+    ----------
+    content : bytes
+        From `content_of`.
+    symbols : sequence of str
+        The functions, in the same order.
+
+    Raises
+    ------
+    LoadError
+        If it is something else, or cannot be loaded.
+    """
     try:
-        engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), target_machine())
-        for code in objects:
-            engine.add_object_file(llvm.ObjectFileRef.from_data(code))
-        engine.finalize_object()
-    except RuntimeError as error:
+        kind, *parts = unpacked_list(content)
+        if kind == _IMAGE and len(parts) == 1 + len(symbols):
+            code, *places = parts
+            addresses = image.load(code, [int.from_bytes(place, "little") for place in places])
+        elif kind == _OBJECTS:
+            from solvers.native import linker
+
+            try:
+                addresses = linker.load(parts, list(symbols))
+            except linker.LinkError as error:
+                raise LoadError(str(error)) from error
+        else:
+            raise LoadError("something else")
+    except (ValueError, image.ImageError) as error:
         raise LoadError(str(error)) from error
-    addresses = {symbol: int(engine.get_function_address(symbol)) for symbol in symbols}
-    if missing := [symbol for symbol, address in addresses.items() if not address]:
-        raise LoadError(f"not in the objects: {', '.join(missing)}")
-    _engines.append(engine)
-    return addresses
+    return dict(zip(symbols, addresses, strict=True))

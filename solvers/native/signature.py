@@ -6,8 +6,7 @@ float32 array of two dimensions; ``f4``, ``i8``, ``b1`` alone are scalars.
 
 import ctypes
 import re
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 _SCALAR = {
     "b1": ctypes.c_bool,
@@ -19,8 +18,7 @@ _SCALAR = {
 _WORD = re.compile(r"(b1|i4|i8|f4|f8)(?:\[(:(?:,:)*)\])?")
 
 
-@dataclass(frozen=True)
-class Kind:
+class Kind(NamedTuple):
     """The type of one argument or result.
 
     Attributes
@@ -49,8 +47,7 @@ class Kind:
         return ctypes.py_object if self.ndim else _SCALAR[self.dtype]
 
 
-@dataclass(frozen=True)
-class Signature:
+class Signature(NamedTuple):
     """What an entry point takes and gives."""
 
     arguments: tuple[Kind, ...]

@@ -3,13 +3,12 @@
 A file's name is the hash of everything that its content was made from and for; its head is the hash of its content.
 The first keeps it from being used for anything else, the second finds damage.  Neither stops someone who may write the
 file: so a folder or a file that another user owns (the system's administrator excepted) or may write to is left alone.
+The hash is the one by which Python itself tells whether compiled code belongs to its source: 64 bits, and no import.
 """
 
 import contextlib
-import hashlib
 import importlib.util
 import os
-import secrets
 import stat
 import sys
 from collections.abc import Iterator, Sequence
@@ -23,8 +22,8 @@ if TYPE_CHECKING:
 
 FOLDER_VARIABLE = "POISSON_CACHE_DIR"
 ENDING = ".kernels"
-_MAGIC = b"poisson kernels 1\n"
-_DIGEST = hashlib.sha256().digest_size
+_MAGIC = b"poisson kernels 2\n"
+_DIGEST = 8
 
 # Settings of numba that change what it generates.
 _SETTINGS = (
@@ -55,34 +54,34 @@ def folder() -> Path:
     return (Path(base) if os.path.isabs(base) else home / ".cache") / "poisson"
 
 
-def key_of(library: "Library", host: str) -> str:
-    """The hash of all that the library's object code depends on: sources, compilers, machine."""
-    digest = hashlib.sha256()
-
-    def add(part: bytes) -> None:
-        digest.update(b"%d:" % len(part) + part)
-
-    this_package = __name__.rpartition(".")[0]
-    package_files = sorted(Path(_origin(this_package)).parent.glob("*.py"))
-    for path in [*package_files, *(Path(_origin(name)) for name in (*library.modules, *library.ingredients))]:
-        add(path.read_bytes())
-    add(numba_version())
-    add(host.encode())
-    add(sys.implementation.cache_tag.encode() if sys.implementation.cache_tag else b"")
-    for variable in _SETTINGS:
-        add(os.environ.get(variable, "").encode())
-    return digest.hexdigest()
+def key_of(library: "Library", volume: str, host: str) -> str:
+    """The hash of all that a volume's object code depends on: sources, compilers, machine."""
+    this_package = os.path.dirname(_origin(__name__.rpartition(".")[0]))
+    sources = [
+        os.path.join(this_package, name) for name in sorted(os.listdir(this_package)) if name.endswith(".py")
+    ]
+    sources += [_origin(name) for name in (*library.modules, *library.ingredients)]
+    parts = [volume.encode(), *(_content(path) for path in sources)]
+    parts += [version_of("numba"), version_of("llvmlite"), host.encode()]
+    parts += [(sys.implementation.cache_tag or "").encode()]
+    parts += [os.environ.get(variable, "").encode() for variable in _SETTINGS]
+    return importlib.util.source_hash(packed_list(parts)).hex()
 
 
-def numba_version() -> bytes:
-    """What tells numba's version without importing it, nor the metadata of all packages, which take 20 ms."""
-    spec = importlib.util.find_spec("numba")
+def version_of(package: str) -> bytes:
+    """What tells a package's version without importing it, nor the metadata of all packages, which take 20 ms."""
+    spec = importlib.util.find_spec(package)
     if spec is not None and spec.submodule_search_locations:
         with contextlib.suppress(OSError):
-            return Path(spec.submodule_search_locations[0], "_version.py").read_bytes()
+            return _content(os.path.join(spec.submodule_search_locations[0], "_version.py"))
     from importlib.metadata import version
 
-    return version("numba").encode()
+    return version(package).encode()
+
+
+def _content(path: str) -> bytes:
+    with open(path, "rb") as file:
+        return file.read()
 
 
 def _origin(module: str) -> str:
@@ -136,7 +135,7 @@ class Shelf:
 
     def write(self, content: bytes) -> bool:
         """Put it there, whole or not at all; returns whether it is there now."""
-        temporary = self.path.with_name(f".{self.path.stem[:16]}-{secrets.token_hex(8)}.tmp")
+        temporary = self.path.with_name(f".{self.path.stem[:16]}-{os.urandom(8).hex()}.tmp")
         try:
             self._make_folder()
             descriptor = os.open(
@@ -224,13 +223,13 @@ def unpacked_list(data: bytes) -> list[bytes]:
 
 def packed(content: bytes) -> bytes:
     """Content with its head."""
-    return _MAGIC + hashlib.sha256(content).digest() + content
+    return _MAGIC + importlib.util.source_hash(content) + content
 
 
 def unpacked(data: bytes) -> bytes:
     """Content without its head; raises `Refused` if it is damaged."""
     content = data[len(_MAGIC) + _DIGEST :]
-    if data[: len(data) - len(content)] != _MAGIC + hashlib.sha256(content).digest():
+    if data[: len(data) - len(content)] != _MAGIC + importlib.util.source_hash(content):
         raise Refused("a damaged file")
     return content
 

@@ -203,7 +203,7 @@ def _in_place(
 def _luminance_of(picture: NDArray[Any]) -> NDArray[Any]:
     """The luminance in all three channels, as the picture's dtype stores it."""
     grey = np.empty_like(picture)
-    for first, end in bands(len(picture), picture[0].size):
+    for first, end in bands(0, len(picture), picture[0].size):
         part = picture[first:end].astype(
             np.float64
         )  # in float32 a 16-bit value may be rounded to another one

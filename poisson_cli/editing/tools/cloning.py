@@ -123,7 +123,8 @@ def mix(
     """Mixing gradients: of each pixel pair the stronger gradient of both pictures (eq. 13).
 
     For objects with holes, transparent ones, and text: what is flat in the source lets the destination through.
-    Parameters, errors and result are those of `clone`.
+    Parameters, errors and result are those of `clone`.  A `screen` draws the result to the source, where that is flat
+    as well: little of it lets the destination through.
     """
     destination, source = _check_pair(destination, source)
     placement = place(destination.shape, source.shape, mask, offset=offset, mask_on=mask_on)

@@ -31,11 +31,12 @@ def heal(
 ) -> Edit:
     """Concealment: the selection cloned over from elsewhere in the same picture (Fig. 2).
 
-    Without an offset, the one is taken whose surroundings look most like the selection's own: the sum of squared
-    differences over a rim of 4 pixels around the selection is least, once the mean of the differences, which cloning
-    evens out, is taken off each channel.  The patch and its rim lie inside the picture and do not touch the selection.
-    Of equally good offsets the nearest is taken.  Large pictures are searched at a reduced size, a million
-    pixels, and the best places then looked at pixel by pixel.
+    Without an offset, the one is taken whose surroundings look most like the selection's own.  What is compared is the
+    mean squared difference over a rim of 4 pixels around the selection, once the mean of the differences, which
+    cloning evens out, is taken off each channel, plus a quarter of the variance of the patch, so that nothing new is
+    brought in.  The patch and its rim lie inside the picture and do not touch the selection.  Of equally good offsets
+    the nearest is taken.  Large pictures are searched at a reduced size, a million pixels, and the best places are
+    then looked at pixel by pixel.
 
     Parameters
     ----------

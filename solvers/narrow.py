@@ -1,0 +1,212 @@
+"""Narrow parts of a region, solved directly: no grids, no cycles, nothing proportional to the region's bounding box.
+
+Multigrid sweeps whole vectors of a grid's rows.  In a stroke two pixels wide, or a speck of dust, most of such a vector
+is known already, and the sweeps cost ten times what they cost in a disk.  There, Gaussian elimination is cheaper: it
+takes only the unknowns that there are, those with few neighbours first (minimum degree, Tinney and Walker 1967).  A
+stroke is eaten up from its ends, an unknown having two or three neighbours left at its turn; where strokes cross, what
+remains in the end is a small net of crossings.
+
+Known pixels separate the parts of a region, so that each may be solved in its own way: `split` takes out what is narrow
+enough, and leaves the rest to multigrid.  The error of a direct solution x is bounded by max|b - A x| max A^-1 1, both
+of which are at hand: A z = 1 is solved beside A x = b, as one more channel.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solvers.canvas import Values, with_channels
+from solvers.kernels import narrow as kernels
+from solvers.memory import Arena
+from solvers.problem import PoissonProblem
+
+# Where this share of the places that multigrid sweeps is unknown, multigrid is the faster one: disks, noise.
+WELL_FILLED = 0.45
+# Mean breadth, in pixels, up to which a part is solved directly,
+NARROW = 6.0
+# and steps of elimination per unknown, of about 10 ns each, after which it is left to multigrid after all.
+EFFORT = 60
+# Unknowns of one part.  A call of a kernel is not to take longer than .2 s: Python hears signals only in between.
+LARGEST_PART = 500_000
+CALL = 500_000  # unknowns of all parts of a call
+# Of a part's unknowns, those that may be left when none has few neighbours any more: a share, or so many,
+LARGE_SHARE, FEWEST_LARGE = 8, 256
+CORE = 400  # and those that are solved with a full matrix in the end
+
+LARGEST_REGION = 1 << 30  # unknowns: they are numbered in 32 bits
+
+BAND = 1 << 20  # pixels of the region to look at in one go
+
+
+@dataclass(frozen=True)
+class Parts:
+    """The connected parts of a set of unknowns.
+
+    Attributes
+    ----------
+    place : (n,) int64
+        Row * width + column of each unknown, in reading order: an unknown's number is its index here.
+    near : (n, 4) int32
+        Numbers of the north, west, east and south neighbour, or `kernels.KNOWN`, or `kernels.BEYOND` the image.
+    order, rank : (n,) int32
+        Numbers of the unknowns, part by part; where a number stands among them.
+    starts : (n_parts + 1,) int32
+        Where each part begins in `order`.
+    part : (n,) int32
+        The number of an unknown's part.
+    pairs : (n_parts,) int32
+        Pairs of neighbours in each part.
+    """
+
+    place: NDArray[np.int64]
+    near: NDArray[np.int32]
+    order: NDArray[np.int32]
+    rank: NDArray[np.int32]
+    starts: NDArray[np.int32]
+    part: NDArray[np.int32]
+    pairs: NDArray[np.int32]
+
+    @classmethod
+    def of(cls, place: NDArray[np.int64], shape: tuple[int, int], arena: Arena) -> "Parts":
+        """Those of the unknowns at these places of an image of this height and width; they live in the arena."""
+        n = len(place)
+        near = arena.integers(n, 4)
+        kernels.link(near, place, *shape)
+        part, order, rank, pairs, starts = (arena.integers(size) for size in (n, n, n, n, n + 1))
+        part[:] = -1
+        starts[0] = 0
+        seed = count = 0
+        while seed < n:
+            seed, count = kernels.find_parts(part, order, starts, pairs, near, seed, count, CALL)
+        starts = starts[: count + 1]
+        kernels.sort_parts(order, rank, arena.integers(count), part, starts)
+        return cls(place, near, order, rank, starts, part, pairs[:count])
+
+    @property
+    def sizes(self) -> NDArray[np.int32]:
+        """Unknowns of each part."""
+        return np.diff(self.starts)
+
+    def unknowns_of(self, chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Which unknowns belong to the chosen parts."""
+        return chosen[self.part]
+
+    @property
+    def narrow(self) -> NDArray[np.bool_]:
+        """Which parts are worth to be tried directly."""
+        sizes = self.sizes
+        breadth = sizes / (2.0 * sizes - self.pairs)  # twice the area by the perimeter
+        return (sizes <= LARGEST_PART) & (breadth <= NARROW)
+
+
+@dataclass(frozen=True)
+class DirectSolution:
+    """The correction to the first guess in the narrow parts of a problem's region.
+
+    Attributes
+    ----------
+    place : (n,) int64
+        Row * width + column of the unknowns, ascending.
+    values : (n, C) float64
+        The correction there.
+    error : float
+        No value is further than this from the exact one, in the units of the problem; from the true residual.
+    """
+
+    problem: PoissonProblem
+    place: NDArray[np.int64]
+    values: NDArray[np.float64]
+    error: float
+
+    def add_to(self, guess: Values, top: int) -> None:
+        """Adds the correction to rows (n, W, C) of the first guess, the first of which is row `top` of the image."""
+        low, high = _within(self.place, top, top + len(guess), guess.shape[1])
+        kernels.add_at(guess, self.values, self.place, low, high, top)
+
+    def rest(self) -> NDArray[np.bool_]:
+        """The region without its narrow parts."""
+        region = self.problem.region.copy()
+        region.reshape(-1)[self.place] = False
+        return region
+
+
+def split(problem: PoissonProblem, arena: Arena) -> DirectSolution | None:
+    """Solves the narrow parts of the region; None if none is worth it.  The solution lives in the arena."""
+    if problem.floating or problem.screening > 0 or not _worth_looking(problem.region):
+        return None  # screened unknowns hardly feel each other: cycles contract fast
+    height, width = problem.region.shape
+    parts = Parts.of(np.flatnonzero(problem.region), (height, width), arena)
+    narrow = parts.narrow
+    if not narrow.all():
+        if not narrow.any():
+            return None
+        parts = Parts.of(parts.place[parts.unknowns_of(narrow)], (height, width), arena)
+    values = _right_hand_side(problem, parts, arena)
+    solved, error = _solve(values, parts, arena)
+    place = parts.place
+    if not solved.all():
+        there = parts.unknowns_of(solved)
+        place, values = place[there], values[there]
+    return DirectSolution(problem, place, values, error) if len(place) else None
+
+
+def _solve(b: NDArray[np.float64], parts: Parts, arena: Arena) -> tuple[NDArray[np.bool_], float]:
+    """x in place of b where it is cheap to find, part by part; and a bound of its error."""
+    sizes = parts.sizes
+    largest, width = int(sizes.max()), b.shape[1] + 1
+    large = max(FEWEST_LARGE, largest // LARGE_SHARE)
+    core = min(CORE, large)
+    scratch = (
+        arena.integers(largest * (kernels.LINKS + kernels.ROOM)),
+        arena.doubles(largest * (kernels.SUMS + width + kernels.ROOM)),
+        arena.integers(large * (kernels.LINKS + kernels.LARGE_ROOM)),
+        arena.doubles(large * (kernels.SUMS + width + kernels.LARGE_ROOM)),
+        arena.integers(largest),
+        arena.integers(largest),
+        arena.doubles(core, core + width),
+    )
+    solved = np.zeros(len(sizes), np.bool_)
+    # Calls of about equally many unknowns.
+    cuts = np.flatnonzero(np.diff(parts.starts[1:] // CALL)) + 1
+    edges = [0, *cuts.tolist(), len(sizes)]
+    bits = np.int64(0)
+    for first, end in pairwise(edges):
+        where = parts.near, parts.order, parts.rank, parts.starts, first, end, EFFORT
+        bits = max(bits, np.int64(kernels.solve_parts(b, solved, *scratch, *where)))
+    return solved, float(bits.view(np.float64))
+
+
+def _right_hand_side(problem: PoissonProblem, parts: Parts, arena: Arena) -> NDArray[np.float64]:
+    """The problem's residual at the first guess, (n, C)."""
+    canvas = problem.canvas
+    _, width, channels = canvas.shape
+    b = arena.doubles(len(parts.place), channels)
+    for band in canvas.equations(0, canvas.shape[0]):
+        low, high = _within(parts.place, band.first, band.end, width)
+        if low < high:
+            v = [_or_nothing(array, band.values) for array in (band.across, band.down, band.rhs)]
+            kernels.sum_pairs(b, parts.place, parts.near, band.values, *v, band.top, low, high)
+    return b
+
+
+def _within(place: NDArray[np.int64], first: int, end: int, width: int) -> tuple[int, int]:
+    """Range of the unknowns in rows first ... end."""
+    low, high = np.searchsorted(place, (first * width, end * width))
+    return int(low), int(high)
+
+
+def _or_nothing(values: Values | None, like: Values) -> Values:
+    """An array without rows in place of None: kernels take arrays only, and are compiled for arrays of one dtype."""
+    return np.zeros((0, 0, 0), like.dtype) if values is None else with_channels(values)
+
+
+def _worth_looking(region: NDArray[np.bool_]) -> bool:
+    """Whether multigrid would sweep far more places than the region has; one pass over the mask."""
+    unknowns = places = 0
+    rows = max(2, BAND // region.shape[1] & ~1)
+    for first in range(0, len(region), rows):
+        more = kernels.survey(region, first, min(first + rows, len(region)))
+        unknowns, places = unknowns + more[0], places + more[1]
+    return bool(unknowns <= LARGEST_REGION and unknowns < WELL_FILLED * places)
