@@ -1,6 +1,6 @@
-"""`python -m benchmarks [paper | tools | convergence | sizes | shapes | memory | startup | threads]`: parse, hand over.
+"""`python -m benchmarks [paper | tools | convergence | sizes | shapes | memory | startup | threads | batch]`.
 
-One thread each, but for the last.
+One thread each, but for the last two; this module only parses and hands over.
 
 Exit codes: 0 every answer was right, 1 some answer was wrong (the table says which), 2 usage.
 """
@@ -111,6 +111,13 @@ def parser() -> argparse.ArgumentParser:
     )
     startup.add_argument(
         "--rounds", type=int, default=15, metavar="N", help="interleaved rounds (default: %(default)s)"
+    )
+    batch = commands.add_parser(
+        "batch", parents=[shared], help="many small jobs: one batch, and a loop of commands"
+    )
+    batch.add_argument("--jobs", type=int, default=2_000, metavar="N", help="jobs (default: %(default)s)")
+    batch.add_argument(
+        "--loop", type=int, default=50, metavar="N", help="of them, as single commands (default: %(default)s)"
     )
     return top
 

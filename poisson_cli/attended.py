@@ -1,24 +1,50 @@
-"""Jobs with somebody watching: progress while they run, and a report when they are done."""
+"""Jobs with somebody watching: progress while they run, and a report when they are done.
+
+Every command that edits hands its jobs over to `run`, as plain data, and does nothing else with them. Whoever wants
+the jobs of a command line without running them, a batch for one, asks `handed_over` to collect them instead.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from poisson_cli.job import Job
+    from poisson_cli.masking import MaskJob
     from poisson_cli.settings import Reporting
 
-__all__ = ["run"]
+__all__ = ["handed_over", "run"]
+
+_collecting: ContextVar[list[Job | MaskJob] | None] = ContextVar("_collecting", default=None)
 
 
-def run(jobs: Sequence[Job], reporting: Reporting) -> None:
+@contextmanager
+def handed_over() -> Iterator[list[Job | MaskJob]]:
+    """Collect the jobs that commands hand over meanwhile; none of them is run.
+
+    Yields
+    ------
+    list
+        Filled by and by.
+    """
+    jobs: list[Job | MaskJob] = []
+    before = _collecting.set(jobs)
+    try:
+        yield jobs
+    finally:
+        _collecting.reset(before)
+
+
+def run(jobs: Sequence[Job] | Sequence[MaskJob], reporting: Reporting) -> None:
     """Do jobs, all or none, and say what was done.
 
     Parameters
     ----------
     jobs
-        What to do, by the same solver.
+        Edits by the same solver, or one selection that is to be written.
     reporting
         How much to say.
 
@@ -27,9 +53,20 @@ def run(jobs: Sequence[Job], reporting: Reporting) -> None:
     InputError, OutputError, NotConverged
         Nothing was written.
     """
-    from poisson_cli import job, progress, report
+    collecting = _collecting.get()
+    if collecting is not None:
+        collecting += jobs
+        return
+    from poisson_cli import job, masking, progress, report
 
-    with progress.shown(reporting, jobs[0].solver) as watch:
-        summaries = job.run_together(jobs, progress=watch)
-    for summary in summaries:
-        report.tell(summary, reporting)
+    edits: list[job.Job] = []
+    for one in jobs:
+        if isinstance(one, job.Job):
+            edits.append(one)
+        else:
+            report.tell_mask(masking.run(one), reporting)
+    if edits:
+        with progress.shown(reporting, edits[0].solver) as watch:
+            summaries = job.run_together(edits, progress=watch)
+        for summary in summaries:
+            report.tell(summary, reporting)

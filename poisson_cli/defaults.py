@@ -4,7 +4,18 @@ from __future__ import annotations
 
 from typing import Final
 
-__all__ = ["ALPHA", "BETA", "CYCLE", "HIGH", "LOW", "SIGMA", "THRESHOLD", "TOLERANCE"]
+__all__ = [
+    "ALPHA",
+    "BETA",
+    "CYCLE",
+    "FORMATS",
+    "HIGH",
+    "LOW",
+    "MAX_PIXELS",
+    "SIGMA",
+    "THRESHOLD",
+    "TOLERANCE",
+]
 
 TOLERANCE: Final = 2e-4
 """Largest error allowed in any pixel, in levels; that of ``solvers``."""
@@ -23,3 +34,9 @@ SIGMA: Final = 1
 ALPHA: Final = 0.2
 BETA: Final = 0.2
 """What eq. (16) attenuates by; those of ``relight``."""
+
+FORMATS: Final = ("png", "jpg", "tif", "bmp", "webp", "ppm", "pfm", "hdr", "exr")
+"""Usual endings of the formats that are written; those of ``poisson_cli.images``."""
+
+MAX_PIXELS: Final = 500_000_000
+"""Pixels of the largest picture that is read."""

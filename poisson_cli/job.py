@@ -18,13 +18,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from poisson_cli import answering, editing, steps
+from poisson_cli import answering, editing, images, interrupts, steps
 from poisson_cli.errors import InputError
-from poisson_cli.images import Picture, Target, prepare, read, refuse_doubles, write_together
+from poisson_cli.images import Asking, Depth, Picture, Target
 from poisson_cli.masks import Canvas, leave_out_transparent, select
-from poisson_cli.settings import Edges, Output, Placement, Selection, Solver, Then
+from poisson_cli.settings import Edges, Inputs, Output, Placement, Selection, Solver, Then
 
-__all__ = ["Job", "Progress", "Summary", "run", "run_together"]
+__all__ = ["Job", "Progress", "Summary", "outputs", "run", "run_together"]
 
 Progress = Callable[[int, float], None]
 """Called as the solver goes, with the cycles or sweeps so far and the estimated error in levels."""
@@ -56,6 +56,8 @@ class Job:
         Where the edges of the picture are, for a tool that flattens it; None for the others.
     preview
         Where to write the result three times three, side by side; None for nowhere.
+    inputs
+        How all the pictures are read.
     parameters
         Further keywords of the tool.
     """
@@ -70,6 +72,7 @@ class Job:
     then: Then | None = None
     edges: Edges | None = None
     preview: Path | None = None
+    inputs: Inputs = Inputs()
     parameters: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -96,7 +99,7 @@ class Summary:
     tinted
         Whether the source has no hue of its own, so that the destination's is wanted.
     notices
-        What the user should know about the inputs, a line each.
+        What the user should know about the inputs and the output, a line each.
     """
 
     edit: editing.EditReport
@@ -110,7 +113,20 @@ class Summary:
     notices: tuple[str, ...] = ()
 
 
-def run(job: Job, progress: Progress | None = None) -> Summary:
+def outputs(job: Job) -> dict[str, Path]:
+    """Every file that a job writes, by what it shows: ``"result"`` first, then ``"edges"`` and ``"preview"``."""
+    edges = _edges(job)
+    wanted = {
+        "result": job.output.path,
+        "edges": None if edges is None else edges.show,
+        "preview": job.preview,
+    }
+    return {what: path for what, path in wanted.items() if path is not None}
+
+
+def run(
+    job: Job, progress: Progress | None = None, before_commit: images.Committing = interrupts.finishing.set
+) -> Summary:
     """Do a job.
 
     Parameters
@@ -119,6 +135,8 @@ def run(job: Job, progress: Progress | None = None) -> Summary:
         What to do.
     progress
         Called as the solver goes.
+    before_commit
+        Called when the output is about to take its name; by default nothing stops the process from then on.
 
     Returns
     -------
@@ -130,19 +148,23 @@ def run(job: Job, progress: Progress | None = None) -> Summary:
     InputError, OutputError, NotConverged
         Nothing was written.
     """
-    (summary,) = run_together([job], progress)
+    (summary,) = run_together([job], progress, before_commit)
     return summary
 
 
-def run_together(jobs: Sequence[Job], progress: Progress | None = None) -> list[Summary]:
+def run_together(
+    jobs: Sequence[Job],
+    progress: Progress | None = None,
+    before_commit: images.Committing = interrupts.finishing.set,
+) -> list[Summary]:
     """Do several jobs on aligned pictures: all of them, or none.
 
     Parameters
     ----------
     jobs
         What to do; their destinations must have one size.
-    progress
-        Called as the solver goes.
+    progress, before_commit
+        As in `run`.
 
     Returns
     -------
@@ -156,18 +178,20 @@ def run_together(jobs: Sequence[Job], progress: Progress | None = None) -> list[
         Nothing was written.
     """
     targets = [_targets(job) for job in jobs]
-    refuse_doubles([target for one in targets for target in one.values()])
+    images.refuse_doubles([target for one in targets for target in one.values()])
     stages: list[dict[str, float]] = [{} for _ in jobs]
-    inputs = [_read(*one) for one in zip(jobs, targets, stages, strict=True)]
-    _refuse_misaligned([one.destination for one in inputs])
-    made = [_make(*one, progress) for one in zip(jobs, inputs, stages, strict=True)]
+    with images.asking(jobs[0].inputs.page, jobs[0].inputs.max_pixels) as asking:
+        inputs = [_read(*one, asking) for one in zip(jobs, targets, stages, strict=True)]
+        _refuse_misaligned([one.destination for one in inputs])
+        made = [_make(*one, asking, progress) for one in zip(jobs, inputs, stages, strict=True)]
+        asking.refuse_unpaged()
     outputs = [
         (files[what], picture)
         for files, one in zip(targets, made, strict=True)
         for what, picture in one.pictures.items()
     ]
     started = time.perf_counter()
-    write_together(outputs)
+    images.write_together(outputs, before_commit)
     share = (time.perf_counter() - started) / len(jobs)
     return [
         _summary(job, one, files, {**seconds, "write": share})
@@ -197,36 +221,37 @@ class _Made(NamedTuple):
 
 def _targets(job: Job) -> dict[str, Target]:
     """Look at everything that will be written, before any work is done for it."""
-    edges = _edges(job)
-    wanted = {
-        "result": job.output.path,
-        "edges": None if edges is None else edges.show,
-        "preview": job.preview,
-    }
     return {
-        what: prepare(path, overwrite=job.output.overwrite)
-        for what, path in wanted.items()
-        if path is not None
+        what: images.prepare(
+            path,
+            overwrite=job.output.overwrite,
+            form=job.output.format if what == "result" else None,
+            quality=job.output.quality if what == "result" else None,
+        )
+        for what, path in outputs(job).items()
     }
 
 
-def _read(job: Job, targets: Mapping[str, Target], seconds: dict[str, float]) -> _Inputs:
+def _read(job: Job, targets: Mapping[str, Target], seconds: dict[str, float], asking: Asking) -> _Inputs:
     """Read the pictures."""
     with _timed(seconds, "read"):
-        destination = read(job.destination)
+        destination = images.read(job.destination)
+        if job.output.bit_depth is not None:
+            destination = _in_depth(destination, job.output.bit_depth, "as asked for", asking)
         for what in targets.keys() & {"result", "preview"}:
             targets[what].check_fits(destination)
-        return _Inputs(destination, None if job.source is None else _read_source(job, destination))
+        return _Inputs(destination, None if job.source is None else _read_source(job, destination, asking))
 
 
-def _make(job: Job, inputs: _Inputs, seconds: dict[str, float], progress: Progress | None) -> _Made:
+def _make(
+    job: Job, inputs: _Inputs, seconds: dict[str, float], asking: Asking, progress: Progress | None
+) -> _Made:
     """Select, and let the tool do its work."""
     destination, source = inputs
     tool: Callable[..., editing.Edit] = getattr(editing, job.tool)
     arrays: list[NDArray[Any]] = [picture.pixels for picture in inputs if picture is not None]
     keywords = {**dataclasses.asdict(job.solver), "progress": progress, **job.parameters}
     n_selected: int | None = None
-    notices: tuple[str, ...] = ()
     if source is not None:
         keywords |= dataclasses.asdict(job.placement)
     if job.selection is not None:
@@ -240,7 +265,8 @@ def _make(job: Job, inputs: _Inputs, seconds: dict[str, float], progress: Progre
                     job.placement.offset,
                     job.placement.mask_on,
                 )
-        n_selected, notices = int(np.count_nonzero(selected.mask)), selected.notices
+        n_selected = int(np.count_nonzero(selected.mask))
+        asking.notices += selected.notices
         arrays.append(selected.mask)
     edges, edges_of = _edges(job), source or destination
     sieve = None if edges is None else steps.edge_keywords(edges, edges_of)
@@ -256,6 +282,7 @@ def _make(job: Job, inputs: _Inputs, seconds: dict[str, float], progress: Progre
         pictures["edges"] = Picture(str(edges.show), steps.drawn_edges(edges_of, **sieve))
     if job.preview is not None:
         pictures["preview"] = _three_times_three(result)
+    notices, asking.notices = tuple(asking.notices), []
     hueless = source is not None and source.pixels.ndim == 2
     tinted = hueless or bool(job.parameters.get("monochrome"))
     return _Made(edit.report, n_selected, notices, pictures, tinted)
@@ -266,7 +293,7 @@ def _edges(job: Job) -> Edges | None:
     return job.edges if job.then is None else job.then.flatten
 
 
-def _alpha(job: Job, destination: Picture) -> NDArray[np.uint8] | None:
+def _alpha(job: Job, destination: Picture) -> NDArray[Any] | None:
     """The destination's opacity, cut out where the tool cuts something out."""
     rectangle = job.parameters.get("rect")
     if destination.alpha is None or rectangle is None:
@@ -286,17 +313,19 @@ def _three_times_three(picture: Picture) -> Picture:
 
 def _summary(job: Job, made: _Made, targets: Mapping[str, Target], seconds: Mapping[str, float]) -> Summary:
     """What to say of a job whose files are on the disk."""
-    profile = made.pictures["result"].profile
+    dropped = images.fitting(made.pictures["result"].metadata, targets["result"].form)[1]
+    left = [kind for kind in dropped if kind != "profile"]
+    notice = (f"left out of the output, which cannot hold it: {', '.join(left)}",) if left else ()
     return Summary(
         edit=made.report,
         selected=made.selected,
         output=targets["result"].path,
         seconds=seconds,
-        profile_dropped=profile is not None and not targets["result"].form.can_hold_profile(profile),
+        profile_dropped="profile" in dropped,
         beside={what: target.path for what, target in targets.items() if what != "result"},
         guarded=bool(job.parameters.get("screen") or job.parameters.get("robust")),
         tinted=made.tinted,
-        notices=made.notices,
+        notices=(*made.notices, *notice),
     )
 
 
@@ -311,17 +340,37 @@ def _refuse_misaligned(pictures: Sequence[Picture]) -> None:
             )
 
 
-def _read_source(job: Job, destination: Picture) -> Picture:
-    """Read the source, and refuse one whose colours have no place in the destination."""
+def _read_source(job: Job, destination: Picture, asking: Asking) -> Picture:
+    """Read the source, refuse one whose colours have no place in the destination, and bring it to its scale."""
     assert job.source is not None
-    source = read(job.source)
+    source = images.read(job.source)
     if source.pixels.ndim > destination.pixels.ndim and not job.parameters.get("monochrome"):
         way_out = " or add --monochrome" if "monochrome" in job.parameters else ""
         raise InputError(
             f"{source.name} is {source.layout}, but the destination {destination.name} is {destination.layout}; "
             f"convert one of them{way_out}"
         )
-    return source
+    one, other = source.metadata.profile, destination.metadata.profile
+    if not images.same_colours(one, other):
+        asking.notices.append(
+            f"the colours of {source.name} ({images.called(one)}) are taken as if they were those of "
+            f"{destination.name} ({images.called(other)})"
+        )
+    return _in_depth(source, destination.depth, "the destination's", asking)
+
+
+def _in_depth(picture: Picture, depth: Depth, why: str, asking: Asking) -> Picture:
+    """A picture in another depth, with a notice if that changes anything."""
+    if picture.depth == depth:
+        return picture
+    converted, lost = picture.converted(depth)
+    notice = f"{picture.name} is converted from {images.in_words(picture.depth)} to {images.in_words(depth)}, {why}"
+    if lost.clipped:
+        notice += f"; {lost.clipped:,} values outside 0 to 1 are clipped"
+    if lost.undefined:
+        notice += f"; {lost.undefined:,} values that are no numbers become 0"
+    asking.notices.append(notice)
+    return converted
 
 
 def _canvas(job: Job, destination: Picture, source: Picture | None) -> Canvas:

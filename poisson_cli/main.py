@@ -16,17 +16,12 @@ import click
 
 from poisson_cli import __version__, commands, errors
 from poisson_cli.options import Chatter
-from poisson_cli.streams import silence
+from poisson_cli.streams import complete, printable, silence
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from types import FrameType
 
-__all__ = ["Terminated", "cli", "main", "run"]
-
-
-class Terminated(BaseException):
-    """SIGTERM arrived. Like `KeyboardInterrupt`, it passes every ``except Exception`` and runs every ``finally``."""
+__all__ = ["cli", "main", "run"]
 
 
 class _CommandFolder(click.Group):
@@ -67,7 +62,7 @@ def run(argv: Sequence[str]) -> int:
     """Run one command line in this process.
 
     Errors are printed as the real process prints them. An interrupt is not one of them: `KeyboardInterrupt` and
-    `Terminated` pass through, because they are meant for the whole process.
+    its like pass through, because they are meant for the whole process.
 
     Parameters
     ----------
@@ -88,16 +83,13 @@ def run(argv: Sequence[str]) -> int:
     except click.ClickException as error:
         error.show()
         return error.exit_code
-    except errors.PoissonError as error:
-        _print_error(str(error))
-        return error.exit_code
     except BrokenPipeError:
         return errors.BROKEN_PIPE
-    except MemoryError:
-        _print_error("not enough memory for pictures of this size")
-        return errors.BUG
     except Exception as error:
-        if chatter.verbose:
+        code, message = errors.verdict(error)
+        if isinstance(error, (errors.PoissonError, MemoryError)):
+            _print_error(message)
+        elif chatter.verbose:
             import traceback
 
             traceback.print_exc()
@@ -105,34 +97,36 @@ def run(argv: Sequence[str]) -> int:
                 f"unexpected {type(error).__name__}; this is a bug, please report it with the lines above"
             )
         else:
-            _print_error(
-                f"unexpected {type(error).__name__}: {error}; this is a bug, -v shows where it happened"
-            )
-        return errors.BUG
+            _print_error(f"{message}, -v shows where it happened")
+        return code
     return errors.DONE
 
 
 def main() -> None:
     """Be the process ``poisson``: run the command line and exit with its code."""
+    complete()
     if "_POISSON_COMPLETE" in os.environ:  # a shell asks what could come next
         cli.main(prog_name="poisson")
     # No thread pool that nobody asked for: it costs more to set up than a clone takes.  Read when numpy is loaded.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     import gc
-    import signal
+
+    from poisson_cli import interrupts
 
     # The collector would go through what the imports make, which is there to stay, again and again: 15 ms.
     gc.set_threshold(100_000)
-    signal.signal(signal.SIGTERM, _raise_terminated)
+    interrupts.listen()
     try:
         code = run(sys.argv[1:])
         sys.stdout.flush()
     except KeyboardInterrupt:
         _print_error("interrupted")
         code = errors.INTERRUPTED
-    except Terminated:
+    except errors.Terminated:
         _print_error("terminated")
         code = errors.TERMINATED
+    except errors.HungUp:
+        code = errors.HUNG_UP
     except BrokenPipeError:
         code = errors.BROKEN_PIPE
     if code == errors.BROKEN_PIPE:
@@ -151,10 +145,7 @@ def _leave_at_once(code: int) -> None:
     os._exit(code)
 
 
-def _raise_terminated(_signal: int, _frame: FrameType | None) -> None:
-    raise Terminated
-
-
 def _print_error(message: str) -> None:
     """One line on stderr, whatever line breaks the message has."""
-    click.echo(f"poisson: error: {' '.join(message.split())}", err=True)
+    with contextlib.suppress(OSError):  # nobody listens: the exit code says it as well
+        click.echo(f"poisson: error: {printable(' '.join(message.split()))}", err=True)

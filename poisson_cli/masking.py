@@ -8,12 +8,38 @@ from pathlib import Path
 
 import numpy as np
 
+from poisson_cli import images, interrupts
 from poisson_cli.errors import OutputError
-from poisson_cli.images import Picture, prepare, read, write
+from poisson_cli.images import Picture
 from poisson_cli.masks import Canvas, select, show
-from poisson_cli.settings import Output, Selection
+from poisson_cli.settings import Inputs, Output, Selection
 
-__all__ = ["MaskSummary", "run"]
+__all__ = ["MaskJob", "MaskSummary", "run"]
+
+
+@dataclass(frozen=True)
+class MaskJob:
+    """What to select, and where to write it.
+
+    Parameters
+    ----------
+    image
+        The picture that it is drawn on.
+    selection
+        Which pixels.
+    output
+        Where to write it.
+    over
+        Show it on the picture, instead of writing a mask of 0 and 255.
+    inputs
+        How pictures are read.
+    """
+
+    image: Path
+    selection: Selection
+    output: Output
+    over: bool = False
+    inputs: Inputs = Inputs()
 
 
 @dataclass(frozen=True)
@@ -41,46 +67,48 @@ class MaskSummary:
     notices: tuple[str, ...] = ()
 
 
-def run(image: Path, selection: Selection, output: Output, *, over: bool = False) -> MaskSummary:
+def run(job: MaskJob, before_commit: images.Committing = interrupts.finishing.set) -> MaskSummary:
     """Write a selection.
 
     Parameters
     ----------
-    image
-        The picture that it is drawn on.
-    selection
-        Which pixels.
-    output
-        Where to write it.
-    over
-        Show it on the picture, instead of writing a mask of 0 and 255.
+    job
+        What to do.
+    before_commit
+        As in `poisson_cli.job.run`.
 
     Raises
     ------
     InputError, OutputError
         Nothing was written.
     """
-    target = prepare(output.path, overwrite=output.overwrite)
+    image, output, over = job.image, job.output, job.over
+    target = images.prepare(
+        output.path, overwrite=output.overwrite, form=output.format, quality=output.quality
+    )
     if not over and not target.form.exact:
         raise OutputError(
             f"{output.path}: {target.form.name} would blur the mask; choose another format, such as PNG"
         )
-    picture = read(image)
-    target.check_fits(dataclasses.replace(picture, alpha=None))
-    selected = select(selection, Canvas("image", picture))
+    with images.asking(job.inputs.page, job.inputs.max_pixels) as asking:
+        picture = images.read(image)
+        selected = select(job.selection, Canvas("image", picture))
+        asking.refuse_unpaged()
     mask = selected.mask
     if over:
-        # Grey becomes RGB, which a profile for one channel says nothing about.
-        profile = picture.profile if picture.pixels.ndim == 3 else None
-        shown = Picture(picture.name, show(picture.pixels, mask), profile=profile)
+        metadata = picture.metadata
+        if picture.pixels.ndim == 2:  # grey becomes RGB, which a profile for one channel says nothing about
+            metadata = dataclasses.replace(metadata, profile=None)
+        shown = Picture(picture.name, show(picture.in_8_bits().pixels, mask), metadata=metadata)
     else:
         shown = Picture(picture.name, np.where(mask, np.uint8(255), np.uint8(0)))
-    write(target, shown)
+    shown, _ = shown.converted(output.bit_depth or "8")
+    images.write(target, shown, before_commit)
     rows, cols = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     return MaskSummary(
         selected=int(np.count_nonzero(mask)),
         pixels=mask.size,
         rectangle=(int(rows[0]), int(cols[0]), int(np.ptp(rows)) + 1, int(np.ptp(cols)) + 1),
         output=output.path,
-        notices=selected.notices,
+        notices=(*asking.notices, *selected.notices),
     )

@@ -27,6 +27,7 @@ from poisson_cli.params import (
     POINT,
     POLYGON,
     POSITIVE,
+    QUALITY,
     RECTANGLE,
 )
 
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
         Edges,
         Grow,
         How,
+        Inputs,
         Output,
         Placement,
         Reporting,
@@ -52,6 +54,7 @@ __all__ = [
     "Chatter",
     "bleeding",
     "edges",
+    "inputs",
     "output",
     "outputs",
     "placement",
@@ -533,11 +536,64 @@ solver: Final = _bundle(
 )
 
 
-def _output(path: Path, overwrite: bool) -> Output:
+def _inputs(page: int | None, max_pixels: int) -> Inputs:
+    from poisson_cli.settings import Inputs
+
+    return Inputs(page=page, max_pixels=max_pixels)
+
+
+inputs: Final = _bundle(
+    "inputs",
+    _inputs,
+    (
+        click.option(
+            "--page",
+            type=COUNT,
+            metavar="N",
+            help="Which page or frame to read of a file that holds several; by default the first.",
+        ),
+        click.option(
+            "--max-pixels",
+            type=COUNT,
+            metavar="N",
+            default=defaults.MAX_PIXELS,
+            show_default=True,
+            help="Refuse pictures that claim to have more pixels, before memory is asked for.",
+        ),
+    ),
+)
+
+
+def _output(path: Path, **choices: Any) -> Output:
     from poisson_cli.settings import Output
+    from poisson_cli.streams import STANDARD
 
-    return Output(path=path, overwrite=overwrite)
+    if str(path) == STANDARD and click.get_current_context().params.get("json"):
+        raise click.UsageError(
+            "--json prints on the standard output, where the picture goes: name a file with -o."
+        )
+    return Output(path=path, **choices)
 
+
+_FORMAT: Final = (
+    click.option(
+        "--format",
+        type=click.Choice(defaults.FORMATS),
+        help="Format of the output, whatever its ending.",
+    ),
+    click.option(
+        "--bit-depth",
+        type=click.Choice(["8", "16", "float"]),
+        help="Convert to this depth; by default the output has the destination's.",
+    ),
+    click.option(
+        "--quality",
+        type=QUALITY,
+        metavar="1-100",
+        help="Quality of a JPEG, by default 95, or of a WebP, by default without loss.",
+    ),
+)
+"""What the output is, beside where."""
 
 output: Final = _bundle(
     "output",
@@ -549,16 +605,17 @@ output: Final = _bundle(
             "path",
             type=FILE,
             required=True,
-            help="File to write; its ending says the format: .png, .jpg, .tif, .bmp or .webp. JPEG alone is not "
-            "exact: it changes pixels everywhere a little.",
+            help="File to write; its ending says the format: .png, .jpg, .tif, .bmp, .webp, .ppm, .pfm, .hdr or .exr. "
+            "JPEG is not exact: it changes pixels everywhere a little. - is the standard output.",
         ),
         click.option("--overwrite", is_flag=True, help="Replace the output if it exists."),
+        *_FORMAT,
     ),
 )
 
 
-def _outputs(paths: tuple[Path, ...], overwrite: bool) -> tuple[Output, ...]:
-    return tuple(_output(path, overwrite) for path in paths)
+def _outputs(paths: tuple[Path, ...], **choices: Any) -> tuple[Output, ...]:
+    return tuple(_output(path, **choices) for path in paths)
 
 
 outputs: Final = _bundle(
@@ -576,6 +633,7 @@ outputs: Final = _bundle(
             "keeps its name. Formats as for the input.",
         ),
         click.option("--overwrite", is_flag=True, help="Replace the outputs that exist."),
+        *_FORMAT,
     ),
 )
 

@@ -29,7 +29,12 @@ __all__ = [
     "POINT",
     "POLYGON",
     "POSITIVE",
+    "QUALITY",
     "RECTANGLE",
+    "SHARD",
+    "SIZE",
+    "is_file",
+    "separators",
 ]
 
 _INTEGER: Final = re.compile(r"[+-]?[0-9]{1,9}")
@@ -38,6 +43,8 @@ _INTEGER: Final = re.compile(r"[+-]?[0-9]{1,9}")
 
 class _Integers(click.ParamType):  # type: ignore[type-arg]  # generic in new versions of click only
     """Integers separated by commas, one for each field of the name."""
+
+    separators = (",",)
 
     def __init__(self, name: str, example: str) -> None:
         self.name = name
@@ -95,6 +102,7 @@ class _Polygon(click.ParamType):  # type: ignore[type-arg]
     """``X,Y X,Y ...``, fractions allowed, converted to a `Polygon`."""
 
     name = "x,y x,y ..."
+    separators = (" ", ",")
 
     def __init__(self, rule: Literal["even-odd", "nonzero"]) -> None:
         self._rule = rule
@@ -122,9 +130,13 @@ class _File(click.ParamType):  # type: ignore[type-arg]
     def convert(self, value: str | Path, param: click.Parameter | None, ctx: click.Context | None) -> Path:
         from pathlib import Path
 
+        from poisson_cli.streams import STANDARD
+
         if "\0" in str(value):
             self.fail("a path cannot hold a null character", param, ctx)
-        return Path(value)
+        path = Path(value)
+        # `Path` takes ./- for -, which stands for the standard streams.
+        return path.absolute() if str(path) == STANDARD != str(value) else path
 
     def shell_complete(
         self, ctx: click.Context, param: click.Parameter, incomplete: str
@@ -195,6 +207,7 @@ class _Factors(click.ParamType):  # type: ignore[type-arg]
     """``R,G,B``: a factor of at least 0 for each colour."""
 
     name = "R,G,B"
+    separators = (",",)
 
     def convert(
         self,
@@ -211,6 +224,52 @@ class _Factors(click.ParamType):  # type: ignore[type-arg]
         return red, green, blue
 
 
+class _Shard(click.ParamType):  # type: ignore[type-arg]
+    """``I/N``, the I-th of N equal shares, converted to (I, N)."""
+
+    name = "I/N"
+
+    def convert(
+        self, value: str | tuple[int, int], param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[int, int]:
+        if isinstance(value, tuple):
+            return value
+        fields = value.split("/")
+        if len(fields) != 2 or not all(re.fullmatch("[0-9]{1,9}", field) for field in fields):
+            self.fail(f"{value!r} is not I/N, for example 1/4: the first of four shares", param, ctx)
+        share, shares = map(int, fields)
+        if not 1 <= share <= shares:
+            self.fail(f"{value!r} is no share: the first of {shares} is 1/{shares}", param, ctx)
+        return share, shares
+
+
+class _Size(click.ParamType):  # type: ignore[type-arg]
+    """A number of bytes, such as ``800M`` or ``1.5G``."""
+
+    name = "size"
+    _units: Final = {"": 1, "K": 1 << 10, "M": 1 << 20, "G": 1 << 30, "T": 1 << 40}
+
+    def convert(self, value: str | int, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        if isinstance(value, int):
+            return value
+        match = re.fullmatch(r"([0-9]{1,15}(?:\.[0-9]{1,9})?)([KMGT]?)(?:i?B)?", value.strip(), re.IGNORECASE)
+        size = 0 if match is None else int(float(match[1]) * self._units[match[2].upper()])
+        if size < 1:
+            self.fail(f"{value!r} is no amount of memory, for example 800M or 1.5G", param, ctx)
+        return size
+
+
+def separators(kind: click.ParamType) -> tuple[str, ...]:  # type: ignore[type-arg]
+    """What stands between the numbers of a value that is a list of them, or a list of lists, outermost first."""
+    found: tuple[str, ...] = getattr(kind, "separators", ())
+    return found
+
+
+def is_file(kind: click.ParamType) -> bool:  # type: ignore[type-arg]
+    """Whether a value is the name of a file, perhaps with a part of it behind a colon."""
+    return isinstance(kind, _File)
+
+
 FILE: Final = _File()
 MASK: Final = _MaskFile()
 POINT: Final = _Point("X,Y", "40,-12")
@@ -219,8 +278,11 @@ ELLIPSE: Final = _Ellipse("X,Y,W,H", "10,20,300,200")
 POLYGON: Final = _Polygon("even-odd")
 LASSO: Final = _Polygon("nonzero")
 EIGHT_BIT: Final = _Between(1, 255)
+QUALITY: Final = _Between(1, 100)
 COUNT: Final = _Between(1, 999_999_999)
 NUMBER: Final = _Number("", lambda number: not math.isnan(number))
 NOT_NEGATIVE: Final = _Number(", 0 or greater", lambda number: number >= 0)
 POSITIVE: Final = _Number(" greater than 0", lambda number: number > 0)
 FACTORS: Final = _Factors()
+SHARD: Final = _Shard()
+SIZE: Final = _Size()

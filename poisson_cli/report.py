@@ -10,9 +10,11 @@ import sys
 from typing import TYPE_CHECKING, Any, TextIO
 
 from poisson_cli.hints import hints
-from poisson_cli.streams import silence
+from poisson_cli.streams import STANDARD, printable, silence
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from poisson_cli.editing import EditReport
     from poisson_cli.job import Summary
     from poisson_cli.masking import MaskSummary
@@ -35,7 +37,7 @@ def tell(summary: Summary, reporting: Reporting) -> None:
     """
     if not reporting.quiet:
         for notice in summary.notices:
-            _print(f"poisson: note: {notice}", sys.stderr)
+            _print(f"poisson: note: {printable(notice)}", sys.stderr)
         _print(line(summary), sys.stderr)
         if reporting.verbose:
             _print(details(summary), sys.stderr)
@@ -59,7 +61,7 @@ def tell_mask(summary: MaskSummary, reporting: Reporting) -> None:
     """
     if not reporting.quiet:
         for notice in summary.notices:
-            _print(f"poisson: note: {notice}", sys.stderr)
+            _print(f"poisson: note: {printable(notice)}", sys.stderr)
         _print(mask_line(summary), sys.stderr)
     if reporting.json:
         import json
@@ -70,7 +72,7 @@ def tell_mask(summary: MaskSummary, reporting: Reporting) -> None:
 def _print(text: str, stream: TextIO) -> None:
     try:
         print(text, file=stream, flush=True)
-    except BrokenPipeError:
+    except OSError:  # nobody reads it, or there is no room for it
         silence(stream)
 
 
@@ -109,8 +111,8 @@ def line(summary: Summary) -> str:
     if summary.profile_dropped:
         parts.append("colour profile dropped: the format cannot hold it")
     parts.append(_duration(sum(summary.seconds.values())))
-    beside = "".join(f", {what} -> {path}" for what, path in summary.beside.items())
-    return f"{', '.join(parts)} -> {summary.output}{beside}"
+    beside = "".join(f", {what} -> {printable(str(path))}" for what, path in summary.beside.items())
+    return f"{', '.join(parts)} -> {_named(summary.output)}{beside}"
 
 
 def details(summary: Summary) -> str:
@@ -146,7 +148,7 @@ def details(summary: Summary) -> str:
         ("error", f"{edit.error_estimate:.2g} levels estimated{proven}, {edit.tolerance:.2g} allowed")
     )
     farthest = f", by {edit.overshoot:.1f} levels at most" if edit.overshoot > 0 else ""
-    rows.append(("clipped", f"{_counted(edit.clipped, 'value')} outside 0..255{farthest}"))
+    rows.append(("clipped", f"{_counted(edit.clipped, 'value')} outside the picture's range{farthest}"))
     rows.append(
         ("stages", ", ".join(f"{name} {_duration(spent)}" for name, spent in summary.seconds.items()))
     )
@@ -221,7 +223,7 @@ def mask_line(summary: MaskSummary) -> str:
     """
     row, col, height, width = summary.rectangle
     pixels = f"{summary.selected:,} of {_counted(summary.pixels, 'pixel')}"
-    return f"mask: {pixels} at {col},{row} ({width}x{height}) -> {summary.output}"
+    return f"mask: {pixels} at {col},{row} ({width}x{height}) -> {_named(summary.output)}"
 
 
 def mask_as_dict(summary: MaskSummary) -> dict[str, Any]:
@@ -241,6 +243,11 @@ def mask_as_dict(summary: MaskSummary) -> dict[str, Any]:
         "rectangle": {"x": col, "y": row, "width": width, "height": height},
         "notices": list(summary.notices),
     }
+
+
+def _named(path: Path) -> str:
+    """Where a result went."""
+    return "standard output" if str(path) == STANDARD else printable(str(path))
 
 
 def _error(edit: EditReport) -> str:

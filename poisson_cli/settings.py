@@ -19,6 +19,7 @@ __all__ = [
     "Ellipse",
     "Grow",
     "How",
+    "Inputs",
     "MaskFile",
     "Output",
     "Placement",
@@ -232,11 +233,44 @@ class Then:
 
 
 @dataclass(frozen=True, slots=True)
+class Inputs:
+    """How pictures are read, all of them alike.
+
+    Parameters
+    ----------
+    page
+        Which picture of a file that holds several, from 1; None: the first.
+    max_pixels
+        Pixels of the largest picture that is read.
+    """
+
+    page: int | None = None
+    max_pixels: int = defaults.MAX_PIXELS
+
+
+@dataclass(frozen=True, slots=True)
 class Output:
-    """Where the result goes, and whether a file that is already there may be replaced."""
+    """Where the result goes, and as what.
+
+    Parameters
+    ----------
+    path
+        The file; ``-`` is the standard output.
+    overwrite
+        Whether a file that is already there may be replaced.
+    format
+        Ending without its dot that tells the format; None: that of the path.
+    bit_depth
+        Depth to convert the destination to; None: as it is.
+    quality
+        Of JPEG and WebP, 1 to 100; None leaves it to the format.
+    """
 
     path: Path
     overwrite: bool = False
+    format: str | None = None
+    bit_depth: Literal["8", "16", "float"] | None = None
+    quality: int | None = None
 
 
 @dataclass(frozen=True, slots=True)

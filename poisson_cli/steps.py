@@ -78,7 +78,7 @@ def drawn_edges(picture: Picture, *, edges: NDArray[np.bool_] | None, **search: 
 
 def _read_edges(path: Path, picture: Picture) -> NDArray[np.bool_]:
     """White is an edge, as in a mask white is selected."""
-    file = read(path)
+    file = read(path).in_8_bits()
     if file.shape != picture.shape:
         raise InputError(
             f"edges {file.name} are {file.size}, but {picture.name} is {picture.size}; draw them on that picture"

@@ -3,10 +3,12 @@
 import errno
 import os
 import resource
+import socket
 from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from poisson_cli import errors
 from tests.small_pictures import ALPHA, DESTINATION, GREY, SOURCE, encoded
@@ -96,6 +98,14 @@ USAGE = {
     "cycle of sor": ([*FILL, "--solver", "sor", "--cycle", "F"], "--cycle belongs to --solver multigrid"),
     "unknown gradients": ([*CLONE, "--gradients", "mixed"], "'mixed' is not one of 'source', 'average'"),
     "mask on nothing": ([*CLONE, "--mask-on", "output"], "'output' is not one of 'source', 'destination'"),
+    "json beside the picture": (
+        [*replaced(FILL, "out.png", "-"), "--format", "png", "--json"],
+        "--json prints on the standard output, where the picture goes: name a file with -o.",
+    ),
+    "unknown format": ([*FILL, "--format", "gif"], "'gif' is not one of"),
+    "unknown depth": ([*FILL, "--bit-depth", "12"], "'12' is not one of '8', '16', 'float'"),
+    "quality 0": ([*FILL, "--quality", "0"], "'0' is not a whole number from 1 to 100"),
+    "page 0": ([*FILL, "--page", "0"], "'0' is not a whole number from 1"),
     "quiet and verbose": ([*FILL, "-q", "-v"], "--quiet and --verbose contradict each other."),
     "placement of fill": ([*FILL, "--at", "1,2"], "No such option"),
     "edges found and given": (
@@ -148,29 +158,37 @@ INPUT = {
     "device": (replaced(FILL, "destination.png", "/dev/zero"), "/dev/zero: not a file with a picture in it"),
     "text as picture": (
         replaced(CLONE, "source.png", "note.txt"),
-        "note.txt: not a picture; PNG, JPEG, TIFF, BMP and WebP are read",
+        "note.txt: not a picture; PNG, JPEG, TIFF, BMP, WebP, GIF, PNM, PFM, Radiance HDR and OpenEXR are read",
     ),
     "empty file": (replaced(FILL, "destination.png", "empty.png"), "empty.png: the file is empty"),
-    "gif": (
-        replaced(FILL, "destination.png", "a.gif"),
-        "a.gif: GIF is not read; convert it to one of PNG, JPEG, TIFF, BMP and WebP",
+    "photoshop": (
+        replaced(FILL, "destination.png", "a.psd"),
+        "a.psd: Photoshop is not read; convert it to one of PNG, JPEG, TIFF, BMP, WebP, GIF, PNM, PFM, ",
     ),
+    "no such page": (
+        [*replaced(FILL, "destination.png", "pages.tif"), "--page", "4"],
+        "pages.tif: there is no page 4, it holds 3 pages",
+    ),
+    "page of one": ([*FILL, "--page", "2"], "--page 2: no input holds several pages or frames"),
+    "too many pixels": (
+        [*FILL, "--max-pixels", "1919"],
+        "destination.png: its header claims 48x40 pixels, more than the 1,919 that are read; --max-pixels allows more",
+    ),
+    "without pixels": (replaced(FILL, "destination.png", "none.ppm"), "none.ppm: a picture of 0x7 pixels"),
+    "two times stdin": (replaced(replaced(CLONE, "source.png", "-"), "mask.png", "-"), "standard input: "),
     "cut off": (
         replaced(CLONE, "source.png", "cut.png"),
         "cut.png: damaged PNG file, it cannot be decoded (",
     ),
     "cut off mask": (replaced(CLONE, "mask.png", "cut.png"), "cut.png: damaged PNG file"),
-    "sixteen bits": (
-        replaced(CLONE, "destination.png", "deep.png"),
-        "deep.png: a 16-bit PNG; convert it to 8 bits per channel first",
-    ),
     "transparent source": (
         replaced(CLONE, "source.png", "alpha-source.png"),
         "the selection is empty: the source alpha-source.png is transparent, or next to it, wherever it is selected",
     ),
     "text as mask": (
         replaced(CLONE, "mask.png", "note.txt"),
-        "note.txt: not a mask; pictures (PNG, JPEG, TIFF, BMP and WebP), labelme and COCO JSON, and text files of "
+        "note.txt: not a mask; pictures (PNG, JPEG, TIFF, BMP, WebP, GIF, PNM, PFM, Radiance HDR "
+        "and OpenEXR), labelme and COCO JSON, and text files of "
         "x,y lines are read",
     ),
     "no alpha as mask": (
@@ -293,7 +311,7 @@ OUTPUT = {
         [*replaced(FILL, "out.png", "sub.png"), "--overwrite"],
         "sub.png: a folder; name a file in it",
     ),
-    "pipe": ([*replaced(FILL, "out.png", "pipe.png"), "--overwrite"], "pipe.png: not a regular file"),
+    "socket": ([*replaced(FILL, "out.png", "socket.png"), "--overwrite"], "socket.png: not a regular file"),
     "unknown format": (
         replaced(FILL, "out.png", "out.xyz"),
         "out.xyz: the ending .xyz does not tell a picture format; use .png, .jpg, .tif, .bmp, .webp",
@@ -305,6 +323,21 @@ OUTPUT = {
     "known elsewhere": (replaced(FILL, "out.png", "out.gif"), "out.gif: the ending .gif does not tell"),
     "long name": (replaced(FILL, "out.png", "n" * 300 + ".png"), "cannot be written (File name too long)"),
     "link in circles": (replaced(FILL, "out.png", "circle.png"), "circle.png: "),
+    "stdout without format": (replaced(FILL, "out.png", "-"), "-: the standard output has no ending to tell"),
+    "quality of a png": (
+        [*FILL, "--quality", "80"],
+        "out.png: PNG has no quality to choose; leave --quality to JPEG",
+    ),
+    "deep as jpeg": (
+        "fill deep.png -m dest-mask.png -o out.jpg".split(),
+        "out.jpg: JPEG cannot hold the depth of deep.png (16 bits per channel); PNG, TIFF and PNM can, or add "
+        "--bit-depth 8 to convert it",
+    ),
+    "8 bits as hdr": (
+        "fill grey.png -m dest-mask.png -o out.hdr".split(),
+        "out.hdr: Radiance HDR cannot hold the depth of grey.png (8 bits per channel); PNG, JPEG, TIFF, BMP, WebP and "
+        "PNM can, or add --bit-depth float to convert it",
+    ),
     "alpha as jpeg": (
         "fill alpha.png -m dest-mask.png -o out.jpg".split(),
         "out.jpg: JPEG cannot hold the 4 channels of alpha.png (RGB with alpha); PNG, TIFF and WebP can",
@@ -360,12 +393,17 @@ def crowded(folder: Path) -> Path:
         (folder / name).mkdir()
     (folder / "link.png").symlink_to("grey.png")
     (folder / "circle.png").symlink_to("circle.png")
-    os.mkfifo(folder / "pipe.png")
+    with socket.socket(socket.AF_UNIX) as one:
+        one.bind("socket.png")
     alpha = np.full(SOURCE.shape[:2], 127, np.uint8)
     files = {
         "note.txt": b"Dear diary,\n",
         "empty.png": b"",
-        "a.gif": encoded(GREY, "GIF"),
+        "a.psd": b"8BPS\0\1" + bytes(30),
+        "none.ppm": b"P6\n0 7\n255\n",
+        "pages.tif": encoded(
+            GREY, "TIFF", save_all=True, append_images=[Image.fromarray(GREY), Image.fromarray(GREY)]
+        ),
         "cut.png": encoded(SOURCE)[:-300],
         "deep.png": encoded(DESTINATION[:, :, 0].astype(np.uint16) * 257),
         "alpha-source.png": encoded(np.dstack((SOURCE, alpha))),
@@ -505,7 +543,8 @@ def test_a_lost_reader_is_no_bug(folder, poisson, monkeypatch):
 
 
 def test_every_exception_has_its_code():
-    assert {kind: kind.exit_code for kind in errors.PoissonError.__subclasses__()} == {
+    kinds = [kind for kind in errors.PoissonError.__subclasses__() if kind.__module__ == errors.__name__]
+    assert {kind: kind.exit_code for kind in kinds} == {
         errors.InputError: 3,
         errors.OutputError: 4,
         errors.NotConverged: 5,

@@ -21,7 +21,7 @@ TOOLS = {name: command for name, command in COMMANDS.items() if hasattr(editing,
 EDITORS = {**TOOLS, "mask": COMMANDS["mask"]}
 """Those that work on pictures."""
 
-OTHERS = {"demo", "warmup"}
+OTHERS = {"batch", "demo", "warmup"}
 
 IMAGE, SOURCE = (480, 640), (300, 400)
 """(H, W) of the pictures that the examples name: they say where things lie in them."""

@@ -135,10 +135,10 @@ def test_a_second_output_that_fails_undoes_the_first(folder, poisson, monkeypatc
     written = []
     real = together.write
 
-    def write(target, picture):
+    def write(target, picture, before_commit):
         if written:
             raise together.OutputError(f"{target.path}: cannot be written (No space left on device)")
-        real(target, picture)
+        real(target, picture, before_commit)
         written.append(target.path.read_bytes())
 
     monkeypatch.setattr(together, "write", write)

@@ -109,10 +109,12 @@ def writing_to(pipe: str, process: subprocess.Popen[str]) -> BinaryIO:
 
 @pytest.fixture
 def heard_signals() -> Iterator[None]:
-    """Child processes hear SIGINT even if this process was started in the background, deaf to it."""
-    usual = signal.signal(signal.SIGINT, signal.default_int_handler)
+    """Child processes hear signals even if this process was started in the background, deaf to them."""
+    numbers = (signal.SIGINT, signal.SIGHUP)
+    usual = [signal.signal(number, signal.default_int_handler) for number in numbers]
     yield
-    signal.signal(signal.SIGINT, usual)
+    for number, handler in zip(numbers, usual, strict=True):
+        signal.signal(number, handler)
 
 
 @pytest.mark.parametrize(
@@ -120,6 +122,7 @@ def heard_signals() -> Iterator[None]:
     [
         (signal.SIGINT, 130, "poisson: error: interrupted\n"),
         (signal.SIGTERM, 143, "poisson: error: terminated\n"),
+        (signal.SIGHUP, 129, ""),
     ],
 )
 def test_a_signal_ends_it_with_its_own_code(folder, number, code, text, heard_signals):

@@ -14,15 +14,17 @@ import tifffile
 from PIL import Image
 
 from poisson_cli import images
+from poisson_cli.defaults import MAX_PIXELS
 from poisson_cli.errors import InputError, OutputError
 from poisson_cli.images import Picture, formats, reading, writing
-from poisson_cli.images.header import LARGEST
+from poisson_cli.images.metadata import Metadata
 from poisson_cli.images.orientation import upright
 from tests.small_pictures import ALPHA, GREY, SOURCE, encoded
 
 RGB = SOURCE
 GREY_ALPHA = ALPHA[:, :, 2:]
 EXACT = [formats.PNG, formats.TIFF, formats.BMP, formats.WEBP]
+EIGHT_BITS = [formats.PNG, formats.JPEG, formats.TIFF, formats.BMP, formats.WEBP, formats.PNM]
 WITH_ALPHA = [formats.PNG, formats.TIFF, formats.WEBP]
 
 
@@ -57,7 +59,7 @@ def test_pixels_come_back_as_they_were(form, shape):
     height, width = shape
     back = decode(writing.encode(picture(RGB[:height, :width]), form))
     np.testing.assert_array_equal(back.pixels, RGB[:height, :width])
-    assert (back.alpha, back.profile, back.palette) == (None, None, False)
+    assert (back.alpha, back.metadata.profile, back.palette) == (None, None, False)
     back = decode(writing.encode(picture(GREY[:height, :width]), form))
     expected = GREY[:height, :width]
     np.testing.assert_array_equal(back.pixels, expected if form.grey else np.dstack([expected] * 3))
@@ -85,10 +87,10 @@ def test_jpeg_is_close_and_keeps_full_colour_resolution():
     assert np.abs(grey.pixels.astype(int) - GREY).max() < 12
 
 
-@pytest.mark.parametrize("form", [f for f in formats.FORMATS if f.profile], ids=by_name)
+@pytest.mark.parametrize("form", [f for f in formats.WRITTEN if "profile" in f.carries], ids=by_name)
 def test_a_profile_goes_along(form):
-    profile = b"x" * 16 + b"RGB " + b"y" * 5000
-    assert decode(writing.encode(picture(RGB, profile=profile), form)).profile == profile
+    metadata = Metadata(profile=b"x" * 16 + b"RGB " + b"y" * 5000)
+    assert decode(writing.encode(picture(RGB, metadata=metadata), form)).metadata.profile == metadata.profile
 
 
 def test_a_profile_that_cannot_go_along_is_known():
@@ -96,8 +98,9 @@ def test_a_profile_that_cannot_go_along_is_known():
     assert not formats.WEBP.can_hold_profile(b"x" * 16 + b"GRAY")
     assert formats.WEBP.can_hold_profile(b"x" * 16 + b"RGB ")
     assert formats.PNG.can_hold_profile(b"x" * 16 + b"GRAY")
-    assert decode(writing.encode(picture(GREY, profile=b"x" * 16 + b"GRAY"), formats.WEBP)).profile is None
-    assert decode(writing.encode(picture(GREY, profile=b"x" * 16 + b"GRAY"), formats.BMP)).profile is None
+    grey = picture(GREY, metadata=Metadata(profile=b"x" * 16 + b"GRAY"))
+    for form in (formats.WEBP, formats.BMP):
+        assert decode(writing.encode(grey, form)).metadata.profile is None
 
 
 # ---- what is read ------------------------------------------------------------------------------------------------
@@ -247,31 +250,20 @@ def test_the_tag_is_not_written_again():
 # ---- what is refused ---------------------------------------------------------------------------------------------
 
 DEEP = np.full((4, 5), 40000, np.uint16)
-DEEP_RGB = np.dstack([DEEP] * 3)
-
-
-@pytest.mark.parametrize(("colour", "samples"), [(0, 1), (2, 3), (4, 2), (6, 4)])
-def test_a_deep_png_is_refused(colour, samples):
-    data = png(16, colour, [b"\x12\x34" * samples * 2] * 2, 2)
-    assert refusal(data) == "a file: a 16-bit PNG; convert it to 8 bits per channel first"
 
 
 @pytest.mark.parametrize(
     ("array", "what"),
     [
-        (DEEP, "a 16-bit TIFF"),
-        (DEEP_RGB, "a 16-bit TIFF"),
         (DEEP.astype(np.uint32), "a 32-bit TIFF"),
-        (DEEP.astype(np.float32), "a 32-bit floating-point TIFF"),
-        (DEEP_RGB.astype(np.float32), "a 32-bit floating-point TIFF"),
         (DEEP.astype(np.float64), "a 64-bit floating-point TIFF"),
         (DEEP.astype(np.float16), "a 16-bit floating-point TIFF"),
     ],
 )
-def test_a_deep_tiff_is_refused(array, what):
-    photometric = "rgb" if array.ndim == 3 else "minisblack"
-    text = refusal(tiff(array, photometric=photometric))
-    assert text == f"a file: {what}; convert it to 8 bits per channel first"
+def test_a_tiff_that_is_deeper_than_any_output_is_refused(array, what):
+    assert refusal(tiff(array, photometric="minisblack")) == (
+        f"a file: {what}; convert it to 8 or 16 bits per channel, or 32-bit floating point, first"
+    )
 
 
 def test_other_tiffs_are_refused():
@@ -287,9 +279,6 @@ def test_other_tiffs_are_refused():
     )
     assert "a CMYK TIFF" in refusal(tiff(four, photometric="separated"))
     assert "a CIE-Lab TIFF" in refusal(encoded_mode("LAB", "TIFF"))
-    assert "a TIFF with 3 pages; save the one you mean" in refusal(
-        tiff(np.stack([GREY] * 3), photometric="minisblack")
-    )
 
 
 def encoded_mode(mode: str, form: str, **settings) -> bytes:
@@ -299,58 +288,44 @@ def encoded_mode(mode: str, form: str, **settings) -> bytes:
 
 
 def test_inks_are_refused():
-    assert refusal(encoded_mode("CMYK", "JPEG")) == (
-        "a file: a CMYK JPEG; convert it to RGB or grey, 8 bits per channel, first"
-    )
-
-
-@pytest.mark.parametrize("form", ["PNG", "WEBP"])
-def test_animations_are_refused(form):
-    file = io.BytesIO()
-    frames = [Image.fromarray(RGB), Image.fromarray(RGB[::-1].copy())]
-    frames[0].save(file, form, save_all=True, append_images=frames[1:])
-    assert (
-        refusal(file.getvalue())
-        == f"a file: a {form} with 2 frames; save the one you mean as a file of its own"
-    )
+    assert refusal(encoded_mode("CMYK", "JPEG")) == ("a file: a CMYK JPEG; convert it to RGB or grey first")
 
 
 @pytest.mark.parametrize(
     ("start", "name"),
     [
-        (b"GIF89a", "GIF"),
         (b"8BPS\0\1", "Photoshop"),
         (b"%PDF-1.7", "PDF"),
-        (b"\x76\x2f\x31\x01", "OpenEXR"),
         (b"\0\0\0\x20ftypheic", "HEIC"),
         (b"\0\0\0\x20ftypavif", "AVIF"),
         (b"\xff\x0a", "JPEG XL"),
         (b"PK\x03\x04", "ZIP archive"),
-        (b"MM\0+", "big-endian BigTIFF"),
     ],
 )
 def test_other_formats_are_named(start, name):
     text = refusal(start + bytes(40))
-    assert text == f"a file: {name} is not read; convert it to one of PNG, JPEG, TIFF, BMP and WebP"
+    assert text == f"a file: {name} is not read; convert it to one of {formats.listed()}"
 
 
 def test_what_is_no_picture_at_all():
-    assert refusal(b"#!/bin/sh\n") == "a file: not a picture; PNG, JPEG, TIFF, BMP and WebP are read"
-    assert refusal(b"") == "a file: the file is empty; PNG, JPEG, TIFF, BMP and WebP are read"
+    assert refusal(b"#!/bin/sh\n") == (
+        "a file: not a picture; PNG, JPEG, TIFF, BMP, WebP, GIF, PNM, PFM, Radiance HDR and OpenEXR are read"
+    )
+    assert refusal(b"") == f"a file: the file is empty; {formats.listed()} are read"
 
 
-@pytest.mark.parametrize("form", formats.FORMATS, ids=by_name)
+@pytest.mark.parametrize("form", EIGHT_BITS, ids=by_name)
 def test_a_truncated_file_is_refused(form):
     data = writing.encode(picture(RGB), form)
     for length in (len(data) // 2, len(data) * 4 // 5, 40, 20, 13):
         text = refusal(data[:length])
-        assert f"damaged {form.name} file, it cannot be decoded (" in text or "not a picture" in text
+        assert "a file: damaged" in text or "not a picture" in text
 
 
-@pytest.mark.parametrize("form", formats.FORMATS, ids=by_name)
+@pytest.mark.parametrize("form", EIGHT_BITS, ids=by_name)
 def test_a_damaged_file_is_read_or_refused_but_nothing_else(form):
     """Bytes changed at random: some fifteen types of exceptions come out of the decoders, none of them out of ours."""
-    data = writing.encode(picture(RGB, profile=b"p" * 200), form)
+    data = writing.encode(picture(RGB, metadata=Metadata(profile=b"p" * 200)), form)
     rng = np.random.default_rng(5)
     refused = 0
     for _ in range(150):
@@ -390,7 +365,10 @@ def huge_png() -> bytes:
 
 @pytest.mark.parametrize("data", [huge_bmp(), huge_tiff(), huge_png()], ids=["BMP", "TIFF", "PNG"])
 def test_a_size_that_makes_no_sense_is_refused_from_the_header(data):
-    assert refusal(data) == f"a file: its header claims more than {LARGEST:,} pixels, the most that is read"
+    assert refusal(data) == (
+        f"a file: its header claims 200000x200000 pixels, more than the {MAX_PIXELS:,} that are read; "
+        "--max-pixels allows more"
+    )
 
 
 def test_a_large_picture_is_read_without_a_warning(monkeypatch):
@@ -550,3 +528,26 @@ def test_what_a_format_cannot_hold_is_refused_by_the_writer_too(tmp_path):
     with pytest.raises(OutputError, match="JPEG cannot hold the 2 channels"):
         images.write(target, picture(GREY_ALPHA[:, :, 0], alpha=np.ascontiguousarray(GREY_ALPHA[:, :, 1])))
     assert names(tmp_path) == []
+
+
+@pytest.mark.parametrize("form", [formats.JPEG, formats.WEBP], ids=by_name)
+def test_quality_trades_size_for_exactness(tmp_path, form):
+    sizes, errors = [], []
+    for quality in (10, 60, 95, None):
+        target = images.prepare(tmp_path / f"{quality}{form.extensions[0]}", quality=quality)
+        images.write(target, picture(RGB))
+        sizes.append(target.path.stat().st_size)
+        errors.append(np.abs(images.read(target.path).pixels.astype(int) - RGB).mean())
+    assert sizes[:3] == sorted(sizes[:3])
+    assert errors[:3] == sorted(errors[:3], reverse=True)
+    assert (sizes[3], errors[3]) == (sizes[2], errors[2]) if form is formats.JPEG else errors[3] == 0
+
+
+def test_indices_are_read_as_they_are_stored():
+    indexed = Image.fromarray(RGB).quantize(7)
+    file = io.BytesIO()
+    indexed.save(file, "PNG")
+    np.testing.assert_array_equal(images.decode_indices(file.getvalue(), "a"), np.asarray(indexed))
+    np.testing.assert_array_equal(images.decode_indices(encoded(GREY), "a"), GREY)
+    with pytest.raises(InputError, match="a picture without a palette; its pixels have no index"):
+        images.decode_indices(encoded(RGB), "a")

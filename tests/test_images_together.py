@@ -44,10 +44,10 @@ def test_one_that_fails_undoes_the_others(tmp_path, monkeypatch, old, last, link
     planned = outputs(tmp_path, overwrite=True)
     real = together_module.write
 
-    def write(target, picture):
+    def write(target, picture, before_commit):
         if target is planned[last][0]:
             raise error
-        real(target, picture)
+        real(target, picture, before_commit)
 
     def no_links(*_):
         raise OSError(errno.EPERM, "not here")

@@ -93,11 +93,14 @@ def test_only_images_knows_decoders(path):
 
 @pytest.mark.parametrize("path", ALL, ids=name)
 def test_only_the_command_line_knows_click(path):
+    """And the lines of a batch, which say what a command line says."""
     command_line = (
         "poisson_cli/main.py",
         "poisson_cli/options.py",
         "poisson_cli/params.py",
         "poisson_cli/commands/",
+        "poisson_cli/batch/checking.py",
+        "poisson_cli/batch/grammar.py",
     )
     for one in foreign(path):
         if within(one.module, "click"):

@@ -157,10 +157,11 @@ def test_a_text_file_of_corners(canvas, text):
         (b"", "m: the file is empty; pictures (PNG, "),
         (
             b"Dear diary,",
-            "m: not a mask; pictures (PNG, JPEG, TIFF, BMP and WebP), labelme and COCO JSON, and ",
+            "m: not a mask; pictures (PNG, JPEG, TIFF, BMP, WebP, GIF, PNM, PFM, Radiance HDR "
+            "and OpenEXR), labelme and COCO JSON, and ",
         ),
         (b"\x00\xff\xfe", "m: not a mask; "),
-        (b"GIF89a", "m: GIF is not read; convert it to one of PNG"),
+        (b"8BPS", "m: Photoshop is not read; convert it to one of PNG"),
     ],
 )
 def test_what_is_no_mask(canvas, data, text):

@@ -306,7 +306,11 @@ def test_the_key_knows_sources_compilers_machine_and_settings(monkeypatch, tmp_p
     library = tiny_kernels.library
     key = store.key_of(library, "usual", "machine")
     assert key == store.key_of(library, "usual", "machine")
-    keys = {key, store.key_of(library, "usual", "another machine"), store.key_of(library, "further", "machine")}
+    keys = {
+        key,
+        store.key_of(library, "usual", "another machine"),
+        store.key_of(library, "further", "machine"),
+    }
     with monkeypatch.context() as patched:
         patched.setattr(store, "version_of", lambda _: b"another")
         keys.add(store.key_of(library, "usual", "machine"))

@@ -47,7 +47,7 @@ def test_every_third_party_import_of_the_tests_is_in_the_test_extra():
     from tests.test_imports import STANDARD, imports
 
     ours = {"poisson_cli", "solvers", "tests", "benchmarks", "tools"}
-    import_names = {"skimage": "scikit-image", "PIL": "pillow"}
+    import_names = {"skimage": "scikit-image", "PIL": "pillow", "cv2": "opencv-python-headless"}
     needed = {
         import_names.get(top, top)
         for path in (ROOT / "tests").rglob("*.py")

@@ -97,12 +97,12 @@ def test_the_details():
         "exceptional at 1.2% of it",
         "  method    multigrid F",
         "  error     0.00015 levels estimated, 0.0005 allowed",
-        "  clipped   1 value outside 0..255, by 2.3 levels at most",
+        "  clipped   1 value outside the picture's range, by 2.3 levels at most",
         "  stages    read 10 ms, solve 20 ms, write 1 ms",
     ]
     shorter = report.details(changed(boundary_mismatch=None))
     assert "mismatch" not in shorter
-    assert "0 values outside 0..255\n" in shorter
+    assert "0 values outside the picture's range\n" in shorter
     assert "selected" not in report.details(changed(selected=None))
     assert shorter.startswith("  selected  12,345 pixels, all of them inside the picture\n")
 

@@ -20,7 +20,6 @@ SCENES = (
     "heal-badge",
     "flatten-cat",
     "relight-coat",
-    "recolor-tank",
     "tile-wood",
 )
 

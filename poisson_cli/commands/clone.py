@@ -12,7 +12,7 @@ from poisson_cli.params import FILE
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from poisson_cli.settings import Output, Placement, Reporting, Selection, Solver, Then
+    from poisson_cli.settings import Inputs, Output, Placement, Reporting, Selection, Solver, Then
 
 __all__ = ["command"]
 
@@ -34,6 +34,7 @@ __all__ = ["command"]
 @options.bleeding
 @options.rescale
 @options.space
+@options.inputs
 @options.output
 @options.solver
 @options.reporting
@@ -44,6 +45,7 @@ def command(
     placement: Placement,
     then: Then,
     solver: Solver,
+    inputs: Inputs,
     output: Output,
     reporting: Reporting,
     **parameters: Any,
@@ -72,6 +74,7 @@ def command(
                 then=then,
                 parameters=parameters,
                 solver=solver,
+                inputs=inputs,
                 output=output,
             )
         ],

@@ -12,7 +12,7 @@ from poisson_cli.params import FILE
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from poisson_cli.settings import Output, Reporting, Selection, Solver
+    from poisson_cli.settings import Inputs, Output, Reporting, Selection, Solver
 
 __all__ = ["command"]
 
@@ -21,6 +21,7 @@ __all__ = ["command"]
 @click.argument("image", type=FILE)
 @options.selection
 @options.space
+@options.inputs
 @options.output
 @options.solver
 @options.reporting
@@ -28,6 +29,7 @@ def command(
     image: Path,
     selection: Selection,
     solver: Solver,
+    inputs: Inputs,
     output: Output,
     reporting: Reporting,
     **parameters: Any,
@@ -51,6 +53,7 @@ def command(
                 selection=selection,
                 parameters=parameters,
                 solver=solver,
+                inputs=inputs,
                 output=output,
             )
         ],

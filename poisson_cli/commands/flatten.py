@@ -12,7 +12,7 @@ from poisson_cli.params import FILE
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from poisson_cli.settings import Edges, Output, Reporting, Selection, Solver
+    from poisson_cli.settings import Edges, Inputs, Output, Reporting, Selection, Solver
 
 __all__ = ["command"]
 
@@ -23,6 +23,7 @@ __all__ = ["command"]
 @options.edges
 @options.rescale
 @options.space
+@options.inputs
 @options.output
 @options.solver
 @options.reporting
@@ -31,6 +32,7 @@ def command(
     selection: Selection,
     edges: Edges,
     solver: Solver,
+    inputs: Inputs,
     output: Output,
     reporting: Reporting,
     **parameters: Any,
@@ -56,6 +58,7 @@ def command(
                 edges=edges,
                 parameters=parameters,
                 solver=solver,
+                inputs=inputs,
                 output=output,
             )
         ],

@@ -12,7 +12,7 @@ from poisson_cli.params import FILE, NOT_NEGATIVE
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from poisson_cli.settings import Output, Reporting, Selection, Solver
+    from poisson_cli.settings import Inputs, Output, Reporting, Selection, Solver
 
 __all__ = ["command"]
 
@@ -29,6 +29,7 @@ __all__ = ["command"]
 )
 @options.rescale
 @options.space
+@options.inputs
 @options.output
 @options.solver
 @options.reporting
@@ -36,6 +37,7 @@ def command(
     image: Path,
     selection: Selection,
     solver: Solver,
+    inputs: Inputs,
     output: Output,
     reporting: Reporting,
     **parameters: Any,
@@ -60,6 +62,7 @@ def command(
                 selection=selection,
                 parameters=parameters,
                 solver=solver,
+                inputs=inputs,
                 output=output,
             )
         ],

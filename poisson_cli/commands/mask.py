@@ -12,7 +12,7 @@ from poisson_cli.params import FILE
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from poisson_cli.settings import Output, Reporting, Selection
+    from poisson_cli.settings import Inputs, Output, Reporting, Selection
 
 __all__ = ["command"]
 
@@ -21,9 +21,12 @@ __all__ = ["command"]
 @click.argument("image", type=FILE)
 @options.selection
 @click.option("--over", is_flag=True, help="Show the selection on IMAGE: outlined, and the rest dimmed.")
+@options.inputs
 @options.output
 @options.reporting
-def command(image: Path, selection: Selection, over: bool, output: Output, reporting: Reporting) -> None:
+def command(
+    image: Path, selection: Selection, over: bool, inputs: Inputs, output: Output, reporting: Reporting
+) -> None:
     """Write a selection of IMAGE as a mask: white where selected, black elsewhere, and nothing between.
 
     All commands select as this one does, so what it shows is what they edit. They also take the mask it writes,
@@ -34,6 +37,7 @@ def command(image: Path, selection: Selection, over: bool, output: Output, repor
       poisson mask cup.jpg --ellipse 40,40,200,180 --subtract --ellipse 70,65,140,130 \\
         --add -m handle.json:handle --subtract --rect 0,300,640,180 --over -o look.png
     """
-    from poisson_cli import masking, report
+    from poisson_cli import attended
+    from poisson_cli.masking import MaskJob
 
-    report.tell_mask(masking.run(image, selection, output, over=over), reporting)
+    attended.run([MaskJob(image, selection, output, over, inputs)], reporting)

@@ -12,7 +12,7 @@ from poisson_cli.params import FACTORS, FILE, NOT_NEGATIVE, NUMBER
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from poisson_cli.settings import Output, Reporting, Selection, Solver
+    from poisson_cli.settings import Inputs, Output, Reporting, Selection, Solver
 
 __all__ = ["command"]
 
@@ -52,6 +52,7 @@ __all__ = ["command"]
 @options.screen
 @options.rescale
 @options.space
+@options.inputs
 @options.output
 @options.solver
 @options.reporting
@@ -59,6 +60,7 @@ def command(
     image: Path,
     selection: Selection,
     solver: Solver,
+    inputs: Inputs,
     output: Output,
     reporting: Reporting,
     **parameters: Any,
@@ -83,6 +85,7 @@ def command(
                 selection=selection,
                 parameters=parameters,
                 solver=solver,
+                inputs=inputs,
                 output=output,
             )
         ],

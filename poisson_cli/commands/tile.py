@@ -13,7 +13,7 @@ from poisson_cli.params import FILE, RECTANGLE
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from poisson_cli.settings import Output, Reporting, Solver
+    from poisson_cli.settings import Inputs, Output, Reporting, Solver
 
 __all__ = ["command"]
 
@@ -42,6 +42,7 @@ __all__ = ["command"]
 )
 @options.rescale
 @options.space
+@options.inputs
 @options.outputs
 @options.solver
 @options.reporting
@@ -49,6 +50,7 @@ def command(
     images: tuple[Path, ...],
     previews: tuple[Path, ...],
     solver: Solver,
+    inputs: Inputs,
     outputs: tuple[Output, ...],
     reporting: Reporting,
     **parameters: Any,
@@ -77,6 +79,7 @@ def command(
                 preview=preview,
                 parameters=parameters,
                 solver=solver,
+                inputs=inputs,
                 output=output,
             )
             for image, output, preview in zip(

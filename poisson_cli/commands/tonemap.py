@@ -12,7 +12,7 @@ from poisson_cli.params import FILE, NOT_NEGATIVE, NUMBER, POSITIVE
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from poisson_cli.settings import Output, Reporting, Solver
+    from poisson_cli.settings import Inputs, Output, Reporting, Solver
 
 __all__ = ["command"]
 
@@ -76,12 +76,14 @@ __all__ = ["command"]
     help="Brighten the middle tones of the result: for pictures that store linear light.",
 )
 @options.space
+@options.inputs
 @options.output
 @options.solver
 @options.reporting
 def command(
     image: Path,
     solver: Solver,
+    inputs: Inputs,
     output: Output,
     reporting: Reporting,
     **parameters: Any,
@@ -104,6 +106,7 @@ def command(
                 destination=image,
                 parameters=parameters,
                 solver=solver,
+                inputs=inputs,
                 output=output,
             )
         ],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,10 +10,13 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final
 
-__all__ = ["FORMATS", "Format", "by_extension", "listed", "recognise"]
+from poisson_cli.images.depth import Depth
+from poisson_cli.images.metadata import Kind
+
+__all__ = ["FORMATS", "WRITTEN", "Format", "by_extension", "listed", "recognise"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Format:
     """One picture format.
 
@@ -21,103 +25,148 @@ class Format:
     name
         As people write it.
     codec
-        As the decoder calls it.
-    plugin
-        Pillow's module that holds the decoder.
+        Module of `poisson_cli.images.codecs` that decodes and encodes it; imported when a file asks for it.
     extensions
-        File name endings in lower case, with the dot; the first is the usual one.
+        File name endings in lower case, with the dot; the first is the usual one. None for a format that is read only.
+    depths
+        What a channel can have when it is written.
     alpha
         Whether it can hold an alpha channel.
     grey
         Whether it can hold a single channel; where not, grey is stored as equal red, green and blue.
-    profile
-        Whether it can hold an ICC profile.
+    carries
+        What it can hold beside the pixels.
     largest_side
         Greatest width and height that it can hold, in pixels.
     exact
         Whether what is read from a file is what was written.
+    quality
+        Whether ``--quality`` means something to it.
+    package, extra
+        A package that it needs besides those that are always there, and our extra that brings it.
+    pillow, plugin
+        What Pillow calls it, and the module of Pillow that reads it; for those that Pillow reads.
     encoding
-        Settings for the encoder.
+        Settings for Pillow's encoder.
     """
 
     name: str
     codec: str
-    plugin: str
-    extensions: tuple[str, ...]
-    alpha: bool
-    grey: bool
-    profile: bool
-    largest_side: int
+    extensions: tuple[str, ...] = ()
+    depths: tuple[Depth, ...] = ("8",)
+    alpha: bool = False
+    grey: bool = True
+    carries: tuple[Kind, ...] = ()
+    largest_side: int = 2**31 - 1
     exact: bool = True
+    quality: bool = False
+    package: str = ""
+    extra: str = ""
+    pillow: str = ""
+    plugin: str = ""
     encoding: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def absent(self) -> str | None:
+        """What to say where the package is not installed; None where it is, or none is needed."""
+        if not self.package or importlib.util.find_spec(self.package) is not None:
+            return None
+        return f"{self.name} needs a further package: pip install 'poisson-cli[{self.extra}]'"
 
     def can_hold_profile(self, profile: bytes) -> bool:
         """Whether a picture's ICC profile can go along; one for a single channel means nothing beside three."""
-        return self.profile and (self.grey or profile[16:20] != b"GRAY")
+        return "profile" in self.carries and (self.grey or profile[16:20] != b"GRAY")
 
 
 PNG: Final = Format(
     name="PNG",
-    codec="PNG",
-    plugin="PngImagePlugin",
+    codec="png",
     extensions=(".png",),
+    depths=("8", "16"),
     alpha=True,
-    grey=True,
-    profile=True,
-    largest_side=2**31 - 1,
+    carries=("profile", "exif", "xmp", "dpi"),
+    pillow="PNG",
+    plugin="PngImagePlugin",
     # Only repeated bytes are looked for: the filters leave little else to find in a photograph. That takes a quarter
     # of the default level's time for files of the same size, within a few per cent.
     encoding=MappingProxyType({"compress_level": 1, "compress_type": zlib.Z_RLE}),
 )
 JPEG: Final = Format(
     name="JPEG",
-    codec="JPEG",
-    plugin="JpegImagePlugin",
+    codec="raster",
     extensions=(".jpg", ".jpeg", ".jpe"),
-    alpha=False,
-    grey=True,
-    profile=True,
+    carries=("profile", "exif", "xmp", "dpi"),
     largest_side=65_500,
     exact=False,
+    quality=True,
+    pillow="JPEG",
+    plugin="JpegImagePlugin",
     # Subsampled colours would smear the result across the border of the region that was solved for.
     encoding=MappingProxyType({"quality": 95, "subsampling": "4:4:4", "optimize": True}),
 )
 TIFF: Final = Format(
     name="TIFF",
-    codec="TIFF",
-    plugin="TiffImagePlugin",
+    codec="tiff",
     extensions=(".tif", ".tiff"),
+    depths=("8", "16", "float"),
     alpha=True,
-    grey=True,
-    profile=True,
-    largest_side=2**31 - 1,
-    encoding=MappingProxyType({"compression": "tiff_adobe_deflate"}),
+    carries=("profile", "exif", "xmp", "dpi"),
+    pillow="TIFF",
+    plugin="TiffImagePlugin",
 )
 BMP: Final = Format(
     name="BMP",
-    codec="BMP",
+    codec="raster",
+    extensions=(".bmp",),  # the 32-bit kind exists, but most readers drop its fourth channel
+    carries=("dpi",),
+    pillow="BMP",
     plugin="BmpImagePlugin",
-    extensions=(".bmp",),
-    alpha=False,  # the 32-bit kind exists, but most readers drop its fourth channel
-    grey=True,
-    profile=False,
-    largest_side=2**31 - 1,
 )
 WEBP: Final = Format(
     name="WebP",
-    codec="WEBP",
-    plugin="WebPImagePlugin",
+    codec="raster",
     extensions=(".webp",),
     alpha=True,
     grey=False,
-    profile=True,
+    carries=("profile", "exif", "xmp"),
     largest_side=16_383,
+    quality=True,
+    pillow="WEBP",
+    plugin="WebPImagePlugin",
     # Lossless, with the colours under transparent pixels kept, so that nothing outside the region changes. Trying
     # harder than method 0 takes six times as long for files a few per cent smaller.
     encoding=MappingProxyType({"lossless": True, "exact": True, "quality": 25, "method": 0}),
 )
+GIF: Final = Format(name="GIF", codec="raster", pillow="GIF", plugin="GifImagePlugin")
+PNM: Final = Format(
+    name="PNM",
+    codec="pnm",
+    extensions=(".ppm", ".pgm", ".pnm", ".pbm"),
+    depths=("8", "16"),
+)
+PFM: Final = Format(name="PFM", codec="pnm", extensions=(".pfm",), depths=("float",))
+HDR: Final = Format(
+    name="Radiance HDR",
+    codec="hdr",
+    extensions=(".hdr",),
+    depths=("float",),
+    grey=False,
+    largest_side=2**20,
+    exact=False,
+)
+EXR: Final = Format(
+    name="OpenEXR",
+    codec="exr",
+    extensions=(".exr",),
+    depths=("float",),
+    alpha=True,  # where it is opaque
+    largest_side=2**20,
+    package="OpenEXR",
+    extra="exr",
+)
 
-FORMATS: Final = (PNG, JPEG, TIFF, BMP, WEBP)
+FORMATS: Final = (PNG, JPEG, TIFF, BMP, WEBP, GIF, PNM, PFM, HDR, EXR)
+WRITTEN: Final = tuple(known for known in FORMATS if known.extensions)
 
 _MAGIC: Final[tuple[tuple[bytes, Format], ...]] = (
     (b"\x89PNG\r\n\x1a\n", PNG),
@@ -125,16 +174,21 @@ _MAGIC: Final[tuple[tuple[bytes, Format], ...]] = (
     (b"II*\x00", TIFF),
     (b"MM\x00*", TIFF),
     (b"II+\x00", TIFF),
+    (b"MM\x00+", TIFF),
     (b"BM", BMP),
+    (b"GIF87a", GIF),
+    (b"GIF89a", GIF),
+    (b"#?RADIANCE", HDR),
+    (b"#?RGBE", HDR),
+    (b"\x76\x2f\x31\x01", EXR),
+    *((b"P%d%c" % (kind, blank), PNM) for kind in range(1, 7) for blank in b" \t\r\n#"),
+    *((b"P%c%c" % (kind, blank), PFM) for kind in b"fF" for blank in b" \t\r\n"),
 )
 
 _FOREIGN: Final[tuple[tuple[int, bytes, str], ...]] = (
-    (0, b"GIF8", "GIF"),
-    (0, b"MM\x00+", "big-endian BigTIFF"),  # the decoder takes it for a plain one
     (0, b"8BPS", "Photoshop"),
     (0, b"%PDF", "PDF"),
-    (0, b"\x76\x2f\x31\x01", "OpenEXR"),
-    (0, b"#?R", "Radiance HDR"),
+    (0, b"P7\n", "PAM"),
     (0, b"\xff\x0a", "JPEG XL"),
     (0, b"\x00\x00\x00\x0cJXL ", "JPEG XL"),
     (0, b"\x00\x00\x00\x0cjP  ", "JPEG 2000"),
@@ -173,7 +227,7 @@ def recognise(data: bytes) -> Format | str | None:
 def by_extension(path: Path) -> Format | None:
     """The format that a file name's ending asks for, whatever its case; None if no format has that ending."""
     ending = path.suffix.lower()
-    return next((known for known in FORMATS if ending in known.extensions), None)
+    return next((known for known in WRITTEN if ending in known.extensions), None)
 
 
 def listed(formats: tuple[Format, ...] = FORMATS) -> str:

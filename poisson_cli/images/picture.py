@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
-import numpy as np
 from numpy.typing import NDArray
+
+from poisson_cli.images.depth import Conversion, Depth, convert, depth_of
+from poisson_cli.images.metadata import Metadata
 
 __all__ = ["Picture"]
 
@@ -15,27 +18,28 @@ _LAYOUTS: Final = {1: "grey", 2: "grey with alpha", 3: "RGB", 4: "RGB with alpha
 
 @dataclass(frozen=True)
 class Picture:
-    """An 8-bit picture as it should be looked at: upright, palette applied.
+    """A picture as it should be looked at: upright, palette applied.
 
     Parameters
     ----------
     name
         What the user calls it, for messages.
     pixels
-        Grey (H, W) or RGB (H, W, 3), uint8, without alpha.
+        Grey (H, W) or RGB (H, W, 3), without alpha; uint8, uint16 or float32, full scale 255, 65535 or 1.
     alpha
-        Opacity (H, W), uint8, 255 = opaque; None where the file has none.
-    profile
-        ICC profile that gives the pixels their meaning, None where the file has none.
+        Opacity (H, W), not premultiplied, in the depth of the pixels, full scale = opaque; None where the file has
+        none.
     palette
         True if the file stored indices into a list of colours.
+    metadata
+        What else the file holds.
     """
 
     name: str
-    pixels: NDArray[np.uint8]
-    alpha: NDArray[np.uint8] | None = None
-    profile: bytes | None = None
+    pixels: NDArray[Any]
+    alpha: NDArray[Any] | None = None
     palette: bool = False
+    metadata: Metadata = Metadata()
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -59,3 +63,18 @@ class Picture:
     def layout(self) -> str:
         """The channels in words."""
         return _LAYOUTS[self.channels]
+
+    @property
+    def depth(self) -> Depth:
+        """The depth of pixels and alpha."""
+        return depth_of(self.pixels)
+
+    def converted(self, depth: Depth) -> tuple[Picture, Conversion]:
+        """The picture in another depth, and what its pixels lost on the way."""
+        pixels = convert(self.pixels, depth)
+        alpha = None if self.alpha is None else convert(self.alpha, depth).values
+        return dataclasses.replace(self, pixels=pixels.values, alpha=alpha), pixels
+
+    def in_8_bits(self) -> Picture:
+        """The picture as a mask is read, in levels from 0 to 255."""
+        return self.converted("8")[0]

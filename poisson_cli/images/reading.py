@@ -6,22 +6,33 @@ also open addresses, archives and example pictures under that name, or trust the
 
 from __future__ import annotations
 
+import importlib
 import os
 import stat
-from collections.abc import Callable
+import sys
 from pathlib import Path
+from typing import Any, BinaryIO, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from poisson_cli.errors import InputError
-from poisson_cli.images.codec import decoded, opened
+from poisson_cli.images.decoded import Decoded
+from poisson_cli.images.demands import asked
 from poisson_cli.images.formats import Format, listed, recognise
-from poisson_cli.images.header import Header, decoding, judge, refuse_deep
+from poisson_cli.images.header import decoding
 from poisson_cli.images.orientation import upright
 from poisson_cli.images.picture import Picture
+from poisson_cli.streams import STANDARD, missing
 
 __all__ = ["decode", "decode_indices", "read", "read_bytes"]
+
+_BYTES_PER_PIXEL: Final = 4
+"""Of the largest picture that is read; no stream is read any further."""
+
+_PIECE: Final = 1 << 22
+_UNKNOWN: Final = 1 << 28
+"""Bytes of a stream that is no picture but may be the text of a mask."""
 
 
 def read(path: Path) -> Picture:
@@ -30,14 +41,14 @@ def read(path: Path) -> Picture:
     Parameters
     ----------
     path
-        A regular file, or a pipe.
+        A regular file, or a pipe; ``-`` for the standard input.
 
     Raises
     ------
     InputError
-        If it cannot be read, is not a picture, or holds one that would lose something (see `header`).
+        If it cannot be read, is not a picture, or holds one that would lose something.
     """
-    return decode(read_bytes(path), str(path))
+    return decode(read_bytes(path), "standard input" if str(path) == STANDARD else str(path))
 
 
 def decode(data: bytes, name: str) -> Picture:
@@ -46,7 +57,7 @@ def decode(data: bytes, name: str) -> Picture:
     Parameters
     ----------
     data
-        The whole file: PNG, JPEG, TIFF, BMP or WebP.
+        The whole file, in one of `formats.FORMATS`.
     name
         What to call it in messages.
 
@@ -55,16 +66,18 @@ def decode(data: bytes, name: str) -> Picture:
     InputError
         As `read`.
     """
-    header, pixels = _decoded(data, name, lambda header: header.mode)
-    alpha = None
-    if header.mode in ("LA", "RGBA"):
+    decoded = _decoded(data, name)
+    pixels, alpha = _upright(decoded), None
+    if decoded.alpha:
         pixels, alpha = np.ascontiguousarray(pixels[..., :-1]), np.ascontiguousarray(pixels[..., -1])
-        if header.mode == "LA":
-            pixels = pixels[..., 0]
-    return Picture(name=name, pixels=pixels, alpha=alpha, profile=header.profile, palette=header.palette)
+    if pixels.ndim == 3 and pixels.shape[2] == 1:
+        pixels = pixels[..., 0]
+    return Picture(
+        name=name, pixels=pixels, alpha=alpha, palette=decoded.palette, metadata=decoded.metadata.of_upright()
+    )
 
 
-def decode_indices(data: bytes, name: str) -> NDArray[np.uint8]:
+def decode_indices(data: bytes, name: str) -> NDArray[Any]:
     """Decode what a picture stores for each pixel, where that is one number: the index of a colour, or a grey value.
 
     Parameters
@@ -77,30 +90,31 @@ def decode_indices(data: bytes, name: str) -> NDArray[np.uint8]:
     Returns
     -------
     ndarray
-        (H, W) uint8, upright as the picture is.
+        (H, W) of uint8, uint16 or float32, upright as the picture is.
 
     Raises
     ------
     InputError
         As `read`, and if the picture has neither a palette nor a single channel.
     """
-
-    def mode(header: Header) -> str:
-        if not header.palette and header.mode != "L":
-            raise InputError(f"{name}: a picture without a palette; its pixels have no index")
-        return "P" if header.palette else "L"
-
-    return _decoded(data, name, mode)[1]
+    decoded = _decoded(data, name, indices=True)
+    if decoded.pixels.ndim != 2:
+        raise InputError(f"{name}: a picture without a palette; its pixels have no index")
+    return _upright(decoded)
 
 
-def _decoded(data: bytes, name: str, mode: Callable[[Header], str]) -> tuple[Header, NDArray[np.uint8]]:
-    """A picture's header, and its pixels as they should be looked at, in the layout that `mode` chooses."""
+def _decoded(data: bytes, name: str, *, indices: bool = False) -> Decoded:
     form = _recognised(data, name)
+    if form.absent is not None:
+        raise InputError(f"{name}: {form.absent}")
     with decoding(name, form):
-        refuse_deep(data, name, form)
-        with opened(data, form) as image:
-            header = judge(image, name, form)
-            return header, upright(*decoded(data, image, form, mode(header)))
+        codec = importlib.import_module(f"poisson_cli.images.codecs.{form.codec}")
+        decoded: Decoded = codec.decode(data, name, form, indices=indices)
+    return decoded
+
+
+def _upright(decoded: Decoded) -> NDArray[Any]:
+    return upright(decoded.pixels, decoded.orientation)
 
 
 def _recognised(data: bytes, name: str) -> Format:
@@ -119,18 +133,22 @@ def read_bytes(path: Path) -> bytes:
     Parameters
     ----------
     path
-        A regular file, or a pipe.
+        A regular file, or a pipe; ``-`` for the standard input, once in a run.
 
     Raises
     ------
     InputError
         If it cannot be read.
     """
+    if str(path) == STANDARD:
+        return _standard_input()
     try:
         with open(path, "rb") as file:
             kind = os.fstat(file.fileno()).st_mode
-            if stat.S_ISREG(kind) or stat.S_ISFIFO(kind):
+            if stat.S_ISREG(kind):
                 return file.read()
+            if stat.S_ISFIFO(kind):
+                return _stream(file, str(path))
     except FileNotFoundError as error:
         raise InputError(f"{path}: no such file") from error
     except IsADirectoryError as error:
@@ -138,3 +156,38 @@ def read_bytes(path: Path) -> bytes:
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror})") from error
     raise InputError(f"{path}: not a file with a picture in it")  # a device, which may never end
+
+
+def _standard_input() -> bytes:
+    """All that comes from the standard input."""
+    current = asked()
+    if current.stdin_taken:
+        raise InputError(
+            "standard input: it holds one input, and was read already; name a file for the other"
+        )
+    current.stdin_taken = True
+    if missing(sys.stdin):
+        raise InputError("standard input: it is closed; name a file")
+    if sys.stdin.isatty():
+        raise InputError("standard input: a terminal; send a picture through a pipe, or name a file")
+    try:
+        return _stream(sys.stdin.buffer, "standard input")
+    except OSError as error:
+        raise InputError(f"standard input: cannot be read ({error.strerror})") from error
+
+
+def _stream(file: BinaryIO, name: str) -> bytes:
+    """Read a stream to its end, but not for ever."""
+    data = bytearray()
+    limit = _PIECE
+    while piece := file.read(_PIECE):
+        data += piece
+        if len(data) > limit:
+            # What is no picture may be the text of a mask; what has zeros in it is not even that.
+            known = isinstance(recognise(bytes(data[:16])), Format)
+            limit = asked().largest * _BYTES_PER_PIXEL if known else 0 if 0 in data[:512] else _UNKNOWN
+            if len(data) > limit:
+                raise InputError(
+                    f"{name}: more than {len(data):,} bytes and still no end; too much for a picture"
+                )
+    return bytes(data)

@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import os
 import stat
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 from poisson_cli.errors import OutputError
-from poisson_cli.images.formats import FORMATS, Format, by_extension, listed
+from poisson_cli.images.depth import in_words
+from poisson_cli.images.formats import WRITTEN, Format, by_extension, listed
 from poisson_cli.images.picture import Picture
+from poisson_cli.streams import STANDARD, missing
 
 __all__ = ["Target", "prepare"]
 
@@ -27,17 +30,28 @@ class Target:
     path
         What the user calls it.
     real
-        Where it lies, links followed.
+        Where it lies, links followed; None for the standard output.
     form
         Its format.
     overwrite
         Whether a file that is there may be replaced.
+    stream
+        Whether it is a pipe or a device, or the standard output: written into, never replaced.
+    quality
+        Of a lossy format, 1 to 100; None leaves it to the format.
     """
 
     path: Path
-    real: Path
+    real: Path | None
     form: Format
-    overwrite: bool
+    overwrite: bool = False
+    stream: bool = False
+    quality: int | None = None
+
+    @property
+    def name(self) -> str:
+        """What to call it in messages."""
+        return str(self.path) if self.real is not None else "standard output"
 
     def check_fits(self, picture: Picture) -> None:
         """Refuse a picture that the format cannot hold.
@@ -45,53 +59,108 @@ class Target:
         Parameters
         ----------
         picture
-            Any picture with the shape and channels of the one to be written.
+            Any picture with the shape, channels and depth of the one to be written.
 
         Raises
         ------
         OutputError
-            If it has more channels than the format, or longer sides.
+            If it has more channels than the format, longer sides, or another depth.
         """
-        if picture.alpha is not None and not self.form.alpha:
-            able = listed(tuple(known for known in FORMATS if known.alpha))
+        form = self.form
+        if picture.alpha is not None and not form.alpha:
+            able = listed(tuple(known for known in WRITTEN if known.alpha and picture.depth in known.depths))
             raise OutputError(
-                f"{self.path}: {self.form.name} cannot hold the {picture.channels} channels of {picture.name} "
+                f"{self.name}: {form.name} cannot hold the {picture.channels} channels of {picture.name} "
                 f"({picture.layout}); {able} can"
             )
-        if max(picture.shape) > self.form.largest_side:
+        if picture.depth not in form.depths:
+            able = listed(tuple(known for known in WRITTEN if picture.depth in known.depths))
             raise OutputError(
-                f"{self.path}: {self.form.name} holds at most {self.form.largest_side:,} pixels a side, "
+                f"{self.name}: {form.name} cannot hold the depth of {picture.name} ({in_words(picture.depth)}); "
+                f"{able} can, or add --bit-depth {form.depths[-1]} to convert it"
+            )
+        if max(picture.shape) > form.largest_side:
+            raise OutputError(
+                f"{self.name}: {form.name} holds at most {form.largest_side:,} pixels a side, "
                 f"and {picture.name} is {picture.size}; choose another format"
             )
 
 
-def prepare(path: Path, *, overwrite: bool) -> Target:
+def prepare(
+    path: Path, *, overwrite: bool = False, form: str | None = None, quality: int | None = None
+) -> Target:
     """Check that a picture could be written to a path, as far as can be known before there is one.
 
     Parameters
     ----------
     path
-        The file to write; a link is followed.
+        The file to write; a link is followed. ``-`` is the standard output.
     overwrite
         Whether a file that is there may be replaced.
+    form
+        Ending that tells the format, without its dot; None: that of the path.
+    quality
+        For JPEG and WebP, 1 to 100; None leaves it to the format.
 
     Raises
     ------
     OutputError
-        If the ending names no format, the folder is missing or not writable, the file is there and may not be
-        replaced, or what is there is no regular file.
+        If nothing tells the format, the folder is missing or not writable, the file is there and may not be
+        replaced, or what is there can be neither replaced nor written into.
     """
-    form = by_extension(path)
-    if form is None:
-        endings = ", ".join(known.extensions[0] for known in FORMATS)
-        ending = f"the ending {path.suffix}" if path.suffix else "a name without an ending"
-        raise OutputError(f"{path}: {ending} does not tell a picture format; use {endings}")
+    known = by_extension(path if form is None else Path(f"picture.{form}"))
+    if known is None:
+        raise OutputError(f"{path}: {_no_format(path)}")
+    if known.absent is not None:
+        raise OutputError(f"{path}: {known.absent}")
+    if quality is not None and not known.quality:
+        able = listed(tuple(known for known in WRITTEN if known.quality))
+        raise OutputError(f"{path}: {known.name} has no quality to choose; leave --quality to {able}")
+    if str(path) == STANDARD:
+        if missing(sys.stdout):
+            raise OutputError("standard output: it is closed; name a file with -o")
+        if sys.stdout.isatty():
+            raise OutputError(
+                "standard output: a terminal; send it into a file or a pipe, or name a file with -o"
+            )
+        return Target(path, None, known, overwrite, stream=True, quality=quality)
     try:
         real = Path(os.path.realpath(path))
-        refuse_obstacles(path, real, overwrite=overwrite)
+        stream = _is_stream(path)
+        if not stream:
+            refuse_obstacles(path, real, overwrite=overwrite)
     except OSError as error:  # a name too long, a loop of links
         raise OutputError(f"{path}: cannot be written ({error.strerror})") from error
-    return Target(path=path, real=real, form=form, overwrite=overwrite)
+    return Target(path, path if stream else real, known, overwrite, stream, quality)
+
+
+def _no_format(path: Path) -> str:
+    if str(path) == STANDARD:
+        return (
+            "the standard output has no ending to tell a picture format; add --format, such as --format png"
+        )
+    endings = ", ".join(known.extensions[0] for known in WRITTEN)
+    ending = f"the ending {path.suffix}" if path.suffix else "a name without an ending"
+    return f"{ending} does not tell a picture format; use {endings}, or add --format"
+
+
+def _is_stream(path: Path) -> bool:
+    """Whether what is there is written into: a pipe, a device such as /dev/null, or whatever stdout leads to."""
+    try:
+        there = path.stat()
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    if stat.S_ISFIFO(there.st_mode) or stat.S_ISCHR(there.st_mode):
+        return True
+    try:
+        return stat.S_ISREG(there.st_mode) and os.path.samestat(there, os.fstat(1)) and _is_descriptor(path)
+    except OSError:  # there is no stdout
+        return False
+
+
+def _is_descriptor(path: Path) -> bool:
+    """Whether a path is another name of an open file, such as /dev/stdout, rather than of the file itself."""
+    return os.path.realpath(path.parent).startswith(("/dev", "/proc"))
 
 
 def refuse_obstacles(path: Path, real: Path, *, overwrite: bool) -> None:

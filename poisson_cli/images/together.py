@@ -10,7 +10,7 @@ from pathlib import Path
 from poisson_cli.errors import OutputError
 from poisson_cli.images.picture import Picture
 from poisson_cli.images.target import Target
-from poisson_cli.images.writing import write
+from poisson_cli.images.writing import Committing, write
 
 __all__ = ["refuse_doubles", "write_together"]
 
@@ -30,18 +30,21 @@ def refuse_doubles(targets: Sequence[Target]) -> None:
     """
     seen: set[Path] = set()
     for target in targets:
-        if target.real in seen:
-            raise OutputError(f"{target.path}: two outputs would go into this file; give each its own name")
-        seen.add(target.real)
+        where = target.real or target.path
+        if where in seen and not (target.stream and target.real is not None):
+            raise OutputError(f"{target.name}: two outputs would go into this file; give each its own name")
+        seen.add(where)
 
 
-def write_together(outputs: Sequence[tuple[Target, Picture]]) -> None:
+def write_together(outputs: Sequence[tuple[Target, Picture]], before_commit: Committing = None) -> None:
     """Write pictures in their order; if one cannot be written, those before it are undone.
 
     Parameters
     ----------
     outputs
         Targets from `prepare`, no two of them the same file, and what to write there.
+    before_commit
+        Called when the first of them is about to take its name; see `write`.
 
     Raises
     ------
@@ -52,10 +55,10 @@ def write_together(outputs: Sequence[tuple[Target, Picture]]) -> None:
         return
     (target, picture), *rest = outputs
     if not rest:
-        write(target, picture)
+        write(target, picture, before_commit)
         return
     with _undoing(target) as undo:
-        write(target, picture)
+        write(target, picture, before_commit)
         try:
             write_together(rest)
         except BaseException:  # a signal as well
@@ -77,18 +80,22 @@ def _undoing(target: Target) -> Iterator[Callable[[], None]]:
     callable
         Puts the old file back, or removes the new one if there was none.
     """
-    kept = target.real.with_name(f".poisson-{os.urandom(8).hex()}.old")
+    if target.stream or target.real is None:
+        yield lambda: None  # what has gone into a pipe is gone
+        return
+    real = target.real
+    kept = real.with_name(f".poisson-{os.getpid()}-{os.urandom(8).hex()}.old")
 
     def undo() -> None:
         if kept.exists():
-            os.replace(kept, target.real)
+            os.replace(kept, real)
         else:
-            target.real.unlink(missing_ok=True)
+            real.unlink(missing_ok=True)
 
     try:
-        if target.real.exists():
+        if real.exists():
             try:
-                _duplicate(target.real, kept)
+                _duplicate(real, kept)
             except OSError as error:
                 raise OutputError(f"{target.path}: cannot be written ({error.strerror or error})") from error
         yield undo

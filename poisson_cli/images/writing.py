@@ -7,23 +7,33 @@ it take the target's name. A full disk, an encoder's exception or a signal leave
 from __future__ import annotations
 
 import contextlib
+import dataclasses
+import importlib
 import os
 import stat
+import sys
+from collections.abc import Callable
+from io import FileIO
 from pathlib import Path
-from typing import Any
+from typing import BinaryIO, Final
 
 import numpy as np
 
 from poisson_cli.errors import OutputError
-from poisson_cli.images.codec import encoded
-from poisson_cli.images.formats import Format
+from poisson_cli.images.formats import JPEG, Format
+from poisson_cli.images.metadata import Kind, Metadata
 from poisson_cli.images.picture import Picture
 from poisson_cli.images.target import Target
 
-__all__ = ["encode", "save", "write"]
+__all__ = ["Committing", "encode", "fitting", "save", "write"]
+
+_JPEG_BLOCK: Final = 65_000
+
+Committing = Callable[[], None] | None
+"""Called when an output is about to take its name."""
 
 
-def write(target: Target, picture: Picture) -> None:
+def write(target: Target, picture: Picture, before_commit: Committing = None) -> None:
     """Write a picture.
 
     Parameters
@@ -31,47 +41,97 @@ def write(target: Target, picture: Picture) -> None:
     target
         From `prepare`.
     picture
-        What to write; an ICC profile goes along if the format can hold one.
+        What to write; what belongs to it goes along as far as the format can hold it, see `fitting`.
+    before_commit
+        Called when all is on the disk but the name, or when a stream has taken all: from here on the run is not to
+        be stopped any more.
 
     Raises
     ------
     OutputError
         If it cannot be encoded or written; the target is as it was before.
+    BrokenPipeError
+        If nobody reads the stream.
     """
     target.check_fits(picture)
     try:
-        save(encode(picture, target.form), target.real, overwrite=target.overwrite)
+        data = encode(picture, target.form, target.quality)
+        if target.stream:
+            _send(data, target.real)
+            if before_commit is not None:
+                before_commit()
+        else:
+            assert target.real is not None
+            save(data, target.real, overwrite=target.overwrite, before_commit=before_commit)
+    except BrokenPipeError:
+        raise
     except FileExistsError as error:
-        raise OutputError(f"{target.path}: appeared while we were at work; it is left alone") from error
+        raise OutputError(f"{target.name}: appeared while we were at work; it is left alone") from error
     except OSError as error:
-        raise OutputError(f"{target.path}: cannot be written ({error.strerror or error})") from error
+        raise OutputError(f"{target.name}: cannot be written ({error.strerror or error})") from error
 
 
-def encode(picture: Picture, form: Format) -> bytes:
+def encode(picture: Picture, form: Format, quality: int | None = None) -> bytes:
     """Encode a picture.
 
     Parameters
     ----------
     picture
-        With no more channels than the format can hold.
+        With no more channels than the format can hold, and in one of its depths.
     form
         The format.
+    quality
+        Of a lossy one, 1 to 100; None leaves it to the format.
 
     Returns
     -------
     bytes
         The file.
+
+    Raises
+    ------
+    OutputError
+        If the format needs a package that is not there, or cannot hold this picture.
     """
-    pixels = picture.pixels
-    if picture.alpha is not None:
-        pixels = np.dstack((pixels, picture.alpha))
-    settings: dict[str, Any] = dict(form.encoding)
-    if picture.profile is not None and form.can_hold_profile(picture.profile):
-        settings["icc_profile"] = picture.profile
-    return encoded(pixels, form, settings)
+    if picture.pixels.ndim == 2 and not form.grey:
+        picture = dataclasses.replace(picture, pixels=np.repeat(picture.pixels[..., np.newaxis], 3, axis=2))
+    picture = dataclasses.replace(picture, metadata=fitting(picture.metadata, form)[0])
+    codec = importlib.import_module(f"poisson_cli.images.codecs.{form.codec}")
+    data: bytes = codec.encode(picture, form, quality)
+    return data
 
 
-def save(data: bytes, path: Path, *, overwrite: bool) -> None:
+def fitting(metadata: Metadata, form: Format) -> tuple[Metadata, tuple[Kind, ...]]:
+    """What of the metadata a format can hold, and the kinds that have to stay behind."""
+    stay = [kind for kind in metadata.kinds() if kind not in form.carries]
+    if metadata.profile is not None and "profile" not in stay and not form.can_hold_profile(metadata.profile):
+        stay.append("profile")
+    if form is JPEG:  # in which a block has at most 64 KiB
+        for kind, block in (("exif", metadata.exif), ("xmp", metadata.xmp)):
+            if block is not None and len(block) > _JPEG_BLOCK:
+                stay.append(kind)
+    return dataclasses.replace(metadata, **dict.fromkeys(stay)), tuple(stay)
+
+
+def _send(data: bytes, path: Path | None) -> None:
+    """Write into the standard output (None), a pipe or a device: all of it, as far as they take it."""
+    if path is None:
+        sys.stdout.flush()
+        _write_all(sys.stdout.buffer, data)
+        return
+    with open(path, "wb", buffering=0, opener=lambda name, flags: os.open(name, os.O_WRONLY)) as file:
+        _write_all(file, data)
+
+
+def _write_all(file: BinaryIO | FileIO, data: bytes) -> None:
+    """Write on until all is written: a file without a buffer, and stdout may be one, takes a part and says how much."""
+    rest = memoryview(data)
+    while rest:
+        rest = rest[file.write(rest) or 0 :]
+    file.flush()
+
+
+def save(data: bytes, path: Path, *, overwrite: bool, before_commit: Committing = None) -> None:
     """Put bytes into a file in one step, as far as anyone can see.
 
     Parameters
@@ -82,6 +142,8 @@ def save(data: bytes, path: Path, *, overwrite: bool) -> None:
         Where to; not a link. A new file gets the mode that the umask leaves, a replaced one keeps its mode.
     overwrite
         Whether to replace a file that is there.
+    before_commit
+        Called when only the name is missing.
 
     Raises
     ------
@@ -91,7 +153,7 @@ def save(data: bytes, path: Path, *, overwrite: bool) -> None:
         If it cannot be written.
     """
     # The name is settled before the file exists, so that no signal can come between the file and its removal.
-    temporary = path.with_name(f".poisson-{os.urandom(8).hex()}.tmp")
+    temporary = path.with_name(f".poisson-{os.getpid()}-{os.urandom(8).hex()}.tmp")
     try:
         with open(temporary, "xb") as file:
             if overwrite and path.exists():
@@ -99,6 +161,8 @@ def save(data: bytes, path: Path, *, overwrite: bool) -> None:
             file.write(data)
             file.flush()
             os.fsync(file.fileno())
+        if before_commit is not None:
+            before_commit()
         if overwrite:
             os.replace(temporary, path)
         else:

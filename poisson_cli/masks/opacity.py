@@ -50,7 +50,9 @@ def leave_out_transparent(
     """
     if source.alpha is None:
         return selected
-    transparent = ~shrink(source.alpha >= threshold, 1)
+    opacity = source.in_8_bits().alpha
+    assert opacity is not None
+    transparent = ~shrink(opacity >= threshold, 1)
     mask = selected.mask.copy()
     row, col = offset if mask_on == "destination" else (0, 0)
     under = mask[

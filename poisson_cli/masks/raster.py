@@ -85,7 +85,7 @@ def decode_strength(data: bytes, name: str, part: str | None) -> NDArray[np.uint
     if index is not None and int(index[1]) <= 255:
         chosen = decode_indices(data, name) == int(index[1])
         return np.where(chosen, np.uint8(255), np.uint8(0))
-    picture = decode(data, name)
+    picture = decode(data, name).in_8_bits()
     if part is None:
         return strength(picture)
     if part == "alpha":

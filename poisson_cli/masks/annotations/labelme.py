@@ -125,4 +125,4 @@ def _add_bitmap(mask: NDArray[np.bool_], value: Any, points: NDArray[np.float64]
     if not data.startswith(_PNG) or len(data) < 24 or struct.unpack(">II", data[16:24]) != shape[::-1]:
         raise InputError(f"the bitmap of {what} is not a PNG of {shape[1]}x{shape[0]} pixels")
     bitmap = decode(data, f"the bitmap of {what}")
-    mask[top : bottom + 1, left : right + 1] |= strength(bitmap) > 0
+    mask[top : bottom + 1, left : right + 1] |= strength(bitmap.in_8_bits()) > 0

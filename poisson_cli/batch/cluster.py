@@ -1,0 +1,212 @@
+"""Workers on a Dask cluster: the same tasks, the same results.
+
+The cluster needs this package on every worker, and files under the same paths on all machines. A task travels as the
+plain data that it is; what comes back is its result, never a picture.
+
+What Dask sees to: a task whose worker is lost is given to another one, so many times as the scheduler's setting
+``distributed.scheduler.allowed-failures`` says. What is seen to here: only so many tasks are submitted at a time as
+keep the workers busy, because a scheduler that holds a million of them is slow; a task that is begun again, even
+though it had been finished when its worker was lost, does no harm; and a task that takes its workers along fails alone.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import logging
+import pickle
+import uuid
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import CancelledError
+from contextlib import ExitStack, suppress
+from typing import TYPE_CHECKING, Any, Final
+
+from poisson_cli.batch.pool import ATTEMPTS
+from poisson_cli.batch.task import Result, Task, perform
+from poisson_cli.errors import BUG, InputError, PoissonError
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+__all__ = ["LOCAL", "run"]
+
+LOCAL: Final = "local"
+"""Instead of an address: start a cluster on this machine."""
+
+_AHEAD: Final = 2
+"""Tasks submitted for each that can run, so that no worker waits for the next one to be sent."""
+
+_TIMEOUT: Final = 30.0
+"""Seconds to wait for the scheduler, and for the first worker."""
+
+
+def run(
+    tasks: Sequence[Task],
+    scheduler: str,
+    *,
+    at_a_time: int | None = None,
+    keep_going: bool = True,
+    begins: Callable[[Task], None] = lambda task: None,
+) -> Iterator[Result]:
+    """Do jobs on a cluster.
+
+    Parameters
+    ----------
+    tasks
+        What to do; their paths must mean the same on every worker.
+    scheduler
+        Address, or `LOCAL`.
+    at_a_time
+        Jobs submitted at most; of a cluster on this machine, processes. None: as many as keep all workers busy.
+    keep_going
+        Submit further jobs after one has failed.
+    begins
+        Called with each job that is submitted.
+
+    Yields
+    ------
+    Result
+        As they come.
+
+    Raises
+    ------
+    InputError
+        If Dask is not installed, or the scheduler cannot be reached or has no workers.
+    """
+    try:
+        import distributed
+    except ImportError as error:
+        raise InputError("a cluster needs Dask: pip install 'poisson-cli[cluster]'") from error
+    # What happens to workers is told in the report; its own lines would break the progress line.
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    with ExitStack() as stack:
+        client = stack.enter_context(_connected(scheduler, at_a_time, stack))
+        limit = at_a_time if scheduler != LOCAL else None
+        submission = _Submission(distributed, client, tasks, limit, begins)
+        stack.callback(submission.cancel)
+        yield from submission.results(keep_going)
+
+
+def _connected(scheduler: str, processes: int | None, stack: ExitStack) -> Client:
+    """A connection to a scheduler that has workers."""
+    import dask
+    import distributed
+
+    try:
+        if scheduler == LOCAL:
+            from solvers.team import available_cores
+
+            with dask.config.set({"distributed.scheduler.allowed-failures": ATTEMPTS - 1}):
+                cluster = stack.enter_context(
+                    distributed.LocalCluster(
+                        n_workers=processes or available_cores(), threads_per_worker=1, dashboard_address=None
+                    )
+                )
+            client = distributed.Client(cluster, timeout=_TIMEOUT, set_as_default=False)
+        else:
+            client = distributed.Client(scheduler, timeout=_TIMEOUT, set_as_default=False)
+    except (OSError, ValueError) as error:
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"{scheduler}: this scheduler cannot be reached ({reason})") from error
+    try:
+        client.wait_for_workers(1, timeout=_TIMEOUT)
+    except TimeoutError as error:
+        client.close()
+        raise InputError(f"{scheduler}: this scheduler has no workers; start some") from error
+    return client
+
+
+class _Submission:
+    """The tasks that wait here, and those that the scheduler has."""
+
+    def __init__(
+        self,
+        distributed: Any,
+        client: Client,
+        tasks: Sequence[Task],
+        limit: int | None,
+        begins: Callable[[Task], None],
+    ) -> None:
+        self._distributed, self._client, self._begins = distributed, client, begins
+        self._waiting = deque(tasks)
+        self._limit = limit
+        self._batch = uuid.uuid4().hex
+        self._submitted: dict[Any, Task] = {}
+        self._completed = distributed.as_completed(loop=client.loop)
+
+    def results(self, keep_going: bool) -> Iterator[Result]:
+        """Submit tasks and take in results until there are no more."""
+        while True:
+            self._submit()
+            if not self._submitted:
+                return
+            futures = self._completed.next_batch(block=True)
+            lost = self._times_lost(futures)
+            for future in futures:
+                result = self._result(future, 1 + lost.get(future.key, 0))
+                del self._submitted[future]
+                if result.status == "failed" and not keep_going:
+                    self._waiting.clear()
+                yield result
+
+    def cancel(self) -> None:
+        """Take back what has not begun; what has is finished, whole, on its worker."""
+        if self._submitted:
+            with suppress(OSError, TimeoutError):
+                self._client.cancel(list(self._submitted), reason="the batch has ended")
+
+    def _submit(self) -> None:
+        if not self._waiting:
+            return
+        # Asked each time, because workers come and go.
+        limit = self._limit or _AHEAD * max(1, sum(self._client.nthreads().values()))
+        while self._waiting and len(self._submitted) < limit:
+            task = self._waiting.popleft()
+            # What Dask begins again, because a worker was lost, meets outputs of its own: it may replace them, and
+            # anybody else's only if they were not there before.
+            sent = task if task.is_begun() else task.replacing()
+            future = self._client.submit(
+                _perform, pickle.dumps(sent), key=f"poisson-{self._batch}-{task.number}", pure=False
+            )
+            self._submitted[future] = task
+            self._completed.add(future)
+            self._begins(task)
+
+    def _result(self, future: Any, attempts: int) -> Result:
+        task = self._submitted[future]
+        try:
+            result: Result = future.result()
+        except self._distributed.KilledWorker as error:
+            return Result.of(
+                task,
+                "failed",
+                exit_code=BUG,
+                error=f"its worker was lost, {error.allowed_failures + 1} times; perhaps there was not enough memory",
+                attempts=error.allowed_failures + 1,
+            )
+        except CancelledError as error:
+            raise PoissonError("the scheduler is gone, or has cancelled the batch; run it again") from error
+        except Exception as error:
+            raise PoissonError(
+                f"the cluster cannot do jobs ({type(error).__name__}: {error}); it needs this version of poisson-cli "
+                "on the scheduler and on every worker"
+            ) from error
+        return dataclasses.replace(result, attempts=attempts)
+
+    def _times_lost(self, futures: Sequence[Any]) -> dict[str, int]:
+        """How many workers were lost with each task: only the scheduler knows."""
+        lost: dict[str, int] = self._client.run_on_scheduler(
+            _suspicions, keys=[future.key for future in futures]
+        )
+        return lost
+
+
+def _perform(task: bytes) -> Result:
+    """Do a job on a worker. The task is packed, so that no part of Dask looks into it for what it knows."""
+    return perform(pickle.loads(task))
+
+
+def _suspicions(keys: Sequence[str], dask_scheduler: Any = None) -> dict[str, int]:
+    """What the scheduler counts for tasks that were running when their worker was lost."""
+    found = ((key, dask_scheduler.tasks.get(key)) for key in keys)
+    return {key: task.suspicious for key, task in found if task is not None}

@@ -1,0 +1,289 @@
+"""Workers on this machine: processes started by spawn, each given one job at a time.
+
+Why not `concurrent.futures`: when one process of its pool dies, all jobs that wait or run fail with it, and nothing
+tells which of them was to blame. Here each worker has a pipe of its own and never more than one job, so that a death
+has one suspect: that job is tried once more, last, when whatever may have crowded it out of memory is done; if it
+takes a second worker along it fails. All others go on.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import signal
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from multiprocessing.connection import wait
+from multiprocessing.context import SpawnContext
+from typing import TYPE_CHECKING, Final, cast
+
+from poisson_cli.batch import memory
+from poisson_cli.batch.task import Result, Task
+from poisson_cli.batch.worker import READY, Perform, deaf, serve
+from poisson_cli.errors import BUG, PoissonError
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
+
+__all__ = ["ATTEMPTS", "run"]
+
+ATTEMPTS: Final = 2
+"""How often a job may be begun."""
+
+_STILLBORN: Final = 3
+"""Workers that may die before they have begun anything, one after the other, until something must be wrong."""
+
+_PATIENCE: Final = 5.0
+"""Seconds for workers to tidy up and end, before they are killed."""
+
+
+def run(
+    tasks: Iterable[Task],
+    *,
+    workers: int,
+    limit: int,
+    keep_going: bool = True,
+    quiet: bool = True,
+    begins: Callable[[Task], None] = lambda task: None,
+    perform: Perform | None = None,
+) -> Iterator[Result]:
+    """Do jobs side by side.
+
+    Parameters
+    ----------
+    tasks
+        What to do; begun in this order.
+    workers
+        Processes at most.
+    limit
+        Bytes that all jobs that run may need together, by their estimates.
+    keep_going
+        Begin further jobs after one has failed. Those that run are finished in any case.
+    quiet
+        Compile the solver, if it has to be, in silence.
+    begins
+        Called with each job that begins.
+    perform
+        What a worker does with a task; None for `poisson_cli.batch.task.perform`.
+
+    Yields
+    ------
+    Result
+        As they come.
+
+    Raises
+    ------
+    PoissonError
+        If workers cannot be started.
+    """
+    pool = _Pool(tasks, workers, limit, quiet, begins, perform)
+    try:
+        for result in pool.results():
+            if result.status == "failed" and not keep_going:
+                pool.begin_no_more()
+            yield result
+    finally:
+        pool.close()
+
+
+class _Attempt:
+    """A job that waits or runs."""
+
+    def __init__(self, task: Task) -> None:
+        self.task = task
+        self.times = 1
+        self.bytes = 0
+        self.is_first = False  # whether no output was there when it began
+
+    def again(self) -> _Attempt:
+        """The next attempt; what the last one has written, and nobody else has, it may replace."""
+        other = _Attempt(self.task.replacing() if self.is_first else self.task)
+        other.times, other.is_first = self.times + 1, self.is_first
+        return other
+
+
+class _Worker:
+    """A worker, as the batch sees it."""
+
+    def __init__(self, context: SpawnContext, perform: Perform | None, quiet: bool) -> None:
+        self.pipe: Connection
+        self.pipe, theirs = context.Pipe()
+        self.process = context.Process(
+            target=serve, args=(theirs, perform, quiet), name="poisson worker", daemon=True
+        )
+        self.process.start()
+        theirs.close()  # or this side would never hear that the other is gone
+        self.is_ready = False
+        self.attempt: _Attempt | None = None
+
+
+class _Pool:
+    """The jobs that wait, and the workers."""
+
+    def __init__(
+        self,
+        tasks: Iterable[Task],
+        workers: int,
+        limit: int,
+        quiet: bool,
+        begins: Callable[[Task], None],
+        perform: Perform | None,
+    ) -> None:
+        self._waiting = deque(_Attempt(task) for task in tasks)
+        self._most, self._limit = workers, limit
+        self._quiet, self._begins, self._perform = quiet, begins, perform
+        self._context = multiprocessing.get_context("spawn")
+        self._estimate = memory.estimator()
+        self._workers: list[_Worker] = []
+        self._stillborn = 0
+
+    def results(self) -> Iterator[Result]:
+        """Hand out jobs and take in results until there are no more."""
+        while True:
+            yield from self._hand_out()
+            if not any(worker.attempt for worker in self._workers):
+                return
+            by_pipe = {worker.pipe: worker for worker in self._workers}
+            for pipe in wait(list(by_pipe)):
+                yield from self._hear(by_pipe[cast("Connection", pipe)])
+
+    def begin_no_more(self) -> None:
+        """Leave the jobs that wait undone."""
+        self._waiting.clear()
+
+    def close(self) -> None:
+        """End all workers: those that wait for a job at once, the others as soon as they have tidied up."""
+        for worker in self._workers:
+            worker.pipe.close()
+            if worker.attempt is not None:
+                worker.process.terminate()
+        deadline = time.monotonic() + _PATIENCE
+        for worker in self._workers:
+            worker.process.join(max(0.0, deadline - time.monotonic()))
+            if worker.process.is_alive():
+                worker.process.kill()
+                worker.process.join()
+            if worker.attempt is not None:
+                _sweep(worker)
+        self._workers.clear()
+
+    def _hand_out(self) -> Iterator[Result]:
+        """Give a job to every worker that has none, as long as memory allows.
+
+        In their order: if smaller jobs could overtake a large one, it might wait for ever.
+        """
+        while self._waiting:
+            attempt = self._waiting[0]
+            attempt.bytes = attempt.bytes or self._estimate(attempt.task)
+            if attempt.bytes > self._limit:
+                self._waiting.popleft()
+                yield _too_large(attempt, self._limit)
+                continue
+            running = [worker.attempt for worker in self._workers if worker.attempt is not None]
+            if attempt.bytes + sum(one.bytes for one in running) > self._limit:
+                return
+            worker = self._idle_worker()
+            if worker is None:
+                return
+            self._waiting.popleft()
+            worker.attempt = attempt
+            if attempt.times == 1:
+                attempt.is_first = not attempt.task.is_begun()
+            # A worker that died while it had nothing to do is noticed when it is listened to.
+            with contextlib.suppress(OSError):
+                worker.pipe.send((attempt.task, attempt.times))
+            self._begins(attempt.task)
+
+    def _idle_worker(self) -> _Worker | None:
+        """One that has nothing to do, a new one if there may be more, or None."""
+        for worker in self._workers:
+            if worker.attempt is None:
+                return worker
+        if len(self._workers) >= self._most:
+            return None
+        with deaf():
+            worker = _Worker(self._context, self._perform, self._quiet)
+            self._workers.append(worker)
+        return worker
+
+    def _hear(self, worker: _Worker) -> Iterator[Result]:
+        """Take in what a worker says, or that it says no more."""
+        try:
+            message = worker.pipe.recv()
+        except (EOFError, OSError):
+            yield from self._bury(worker)
+            return
+        if message == READY:
+            worker.is_ready = True
+            self._stillborn = 0
+        else:
+            assert isinstance(message, Result)
+            worker.attempt = None
+            yield message
+
+    def _bury(self, worker: _Worker) -> Iterator[Result]:
+        """See to the job of a worker that is dead."""
+        self._workers.remove(worker)
+        worker.pipe.close()
+        worker.process.join(_PATIENCE)
+        code = worker.process.exitcode
+        attempt = worker.attempt
+        if attempt is None:
+            return
+        _sweep(worker)
+        if not worker.is_ready:
+            self._stillborn += 1
+            if self._stillborn >= _STILLBORN:
+                raise PoissonError(
+                    f"{self._stillborn} worker processes in a row {_end(code)} before they could begin; "
+                    "run one of the jobs by itself to see why"
+                )
+            self._waiting.appendleft(attempt)
+        elif attempt.times < ATTEMPTS:
+            self._waiting.append(attempt.again())
+        else:
+            yield _deadly(attempt, code)
+
+
+def _too_large(attempt: _Attempt, limit: int) -> Result:
+    need = memory.said(attempt.bytes)
+    return Result.of(
+        attempt.task,
+        "failed",
+        exit_code=BUG,
+        error=f"may need {need} of memory, and all jobs together have {memory.said(limit)}; "
+        f"--memory {need.replace(' ', '')} lets it run",
+        attempts=0,
+    )
+
+
+def _deadly(attempt: _Attempt, code: int | None) -> Result:
+    """The result of a job that has cost as many workers as it may."""
+    return Result.of(
+        attempt.task,
+        "failed",
+        exit_code=BUG if code is None or code == 0 else code if code > 0 else 128 - code,
+        error=f"its process {_end(code)}, {attempt.times} times; perhaps there was not enough memory",
+        attempts=attempt.times,
+    )
+
+
+def _end(code: int | None) -> str:
+    """How a process ended."""
+    if code is None:
+        return "hung up"
+    if code >= 0:
+        return f"ended with exit code {code}"
+    with contextlib.suppress(ValueError):
+        return f"was killed by {signal.Signals(-code).name}"
+    return f"was killed by signal {-code}"
+
+
+def _sweep(worker: _Worker) -> None:
+    """Remove what a dead worker was writing; the names tell whose it was (see `poisson_cli.images.writing`)."""
+    assert worker.attempt is not None
+    for folder in {path.resolve().parent for path in worker.attempt.task.outputs}:
+        with contextlib.suppress(OSError):
+            for rest in folder.glob(f".poisson-{worker.process.pid}-*"):
+                rest.unlink(missing_ok=True)

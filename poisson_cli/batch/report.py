@@ -1,0 +1,156 @@
+"""The report of a batch: one JSON line for each job as it ends, and one for the whole at the end."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import json
+import os
+import sys
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, TextIO
+
+from poisson_cli import errors
+from poisson_cli.batch.task import Result
+from poisson_cli.streams import silence
+
+__all__ = ["Tally", "as_dict", "opened", "write"]
+
+
+class Tally:
+    """What has become of the jobs so far.
+
+    Parameters
+    ----------
+    jobs
+        How many there are.
+    """
+
+    def __init__(self, jobs: int) -> None:
+        self.jobs = jobs
+        self._counts: Counter[str] = Counter()
+
+    def add(self, result: Result) -> None:
+        """Count one more."""
+        self._counts[result.status] += 1
+
+    @property
+    def done(self) -> int:
+        """Jobs that were done."""
+        return self._counts["done"]
+
+    @property
+    def failed(self) -> int:
+        """Jobs that failed."""
+        return self._counts["failed"]
+
+    @property
+    def skipped(self) -> int:
+        """Jobs whose outputs were there."""
+        return self._counts["skipped"]
+
+    @property
+    def left(self) -> int:
+        """Jobs of which nothing has been heard."""
+        return self.jobs - self._counts.total()
+
+    @property
+    def exit_code(self) -> int:
+        """What the batch ends with, if nothing interrupts it."""
+        return errors.SOME_FAILED if self.failed else errors.DONE
+
+    def summary(self, seconds: float, exit_code: int) -> dict[str, Any]:
+        """The last line of the report.
+
+        Parameters
+        ----------
+        seconds
+            How long the batch took.
+        exit_code
+            What it ends with.
+        """
+        return {
+            "summary": {
+                "jobs": self.jobs,
+                "done": self.done,
+                "failed": self.failed,
+                "skipped": self.skipped,
+                "not_run": self.left,
+                "seconds": seconds,
+                "exit_code": exit_code,
+            }
+        }
+
+
+def as_dict(result: Result) -> dict[str, Any]:
+    """One line of the report; the fields are those of `Result`."""
+    return dataclasses.asdict(result)
+
+
+@contextlib.contextmanager
+def opened(path: Path | None, *, goes_on: bool, overwrite: bool) -> Iterator[TextIO | None]:
+    """Open the report before anything is done that it should tell of.
+
+    Parameters
+    ----------
+    path
+        Where; ``-`` is stdout, None nowhere.
+    goes_on
+        Whether a report that is there is of an earlier run of the same batch, so that this run's lines go behind it.
+    overwrite
+        Whether a report that is there may be replaced.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written.
+    """
+    if path is None:
+        yield None
+        return
+    if str(path) == "-":
+        yield sys.stdout
+        return
+    try:
+        stream = open(path, "a" if goes_on else "w" if overwrite else "x", encoding="utf-8")  # noqa: SIM115
+    except FileExistsError as error:
+        raise errors.OutputError(
+            f"{path}: exists already; add --overwrite to replace it, --skip-existing to go on with it, or choose "
+            "another name"
+        ) from error
+    except OSError as error:
+        raise errors.OutputError(f"{path}: cannot be written ({error.strerror or error})") from error
+    with stream:
+        if _is_torn(path):
+            stream.write("\n")
+        yield stream
+
+
+def _is_torn(path: Path) -> bool:
+    """Whether the last line has no end, because the run that wrote it was killed just then."""
+    if not path.stat().st_size:
+        return False
+    with open(path, "rb") as file:
+        file.seek(-1, os.SEEK_END)
+        return file.read() != b"\n"
+
+
+def write(line: dict[str, Any], stream: TextIO | None) -> None:
+    """Write one line, at once, so that it is there whatever happens next.
+
+    Raises
+    ------
+    OutputError
+        If the disk is full, or the like. That nobody reads stdout any more is no reason to end a batch.
+    """
+    if stream is None:
+        return
+    try:
+        stream.write(f"{json.dumps(line)}\n")
+        stream.flush()
+    except BrokenPipeError:
+        silence(stream)
+    except OSError as error:
+        raise errors.OutputError(f"the report cannot be written ({error.strerror or error})") from error

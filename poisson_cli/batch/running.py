@@ -1,0 +1,77 @@
+"""From tasks to results: what is there already is skipped, the rest goes to workers here or on a cluster."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Generator, Sequence
+from pathlib import Path
+
+from poisson_cli.batch import memory as memory_
+from poisson_cli.batch.task import Result, Task
+
+__all__ = ["folder_for", "results"]
+
+
+def folder_for(folder: str | Path, scheduler: str | None) -> str:
+    """What paths are relative to, as a prefix of them: none for the current folder, so that names stay as they are.
+
+    On a cluster the current folder is another one.
+    """
+    if scheduler is not None:
+        return os.path.abspath(folder or ".")
+    return "" if str(folder) in ("", ".") else str(folder)
+
+
+def results(
+    tasks: Sequence[Task],
+    *,
+    workers: int | None = None,
+    keep_going: bool = True,
+    memory: int | None = None,
+    scheduler: str | None = None,
+    quiet: bool = True,
+    begins: Callable[[Task], None] = lambda task: None,
+) -> Generator[Result]:
+    """Do jobs, wherever it was asked for.
+
+    Parameters
+    ----------
+    tasks
+        From `poisson_cli.batch.checking.check`.
+    workers, keep_going, memory, scheduler
+        As `poisson_cli.batch.run`.
+    quiet
+        Compile the solver, if it has to be, in silence.
+    begins
+        Called with each job that begins.
+
+    Yields
+    ------
+    Result
+        As they come.
+    """
+    left: list[Task] = []
+    for task in tasks:
+        if task.skip_existing and task.is_done():
+            yield Result.of(task, "skipped", attempts=0)
+        else:
+            # Some of several outputs: the run that wrote them was killed before it could write the others.
+            left.append(task.replacing() if task.skip_existing and task.is_begun() else task)
+    if not left:
+        return
+    if scheduler is not None:
+        from poisson_cli.batch import cluster
+
+        yield from cluster.run(left, scheduler, at_a_time=workers, keep_going=keep_going, begins=begins)
+        return
+    from poisson_cli.batch import pool
+    from solvers.team import available_cores
+
+    yield from pool.run(
+        left,
+        workers=min(workers or available_cores(), len(left)),
+        limit=memory or memory_.available(),
+        keep_going=keep_going,
+        quiet=quiet,
+        begins=begins,
+    )

@@ -1,0 +1,122 @@
+"""A worker: a process that does one job after the other for a batch, with the compiled solver loaded once.
+
+Nothing heavy is imported at the top, because a new process imports this module before it can say anything.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from multiprocessing.connection import Connection
+from types import FrameType
+from typing import TYPE_CHECKING, Any, Final
+
+from poisson_cli import errors
+
+if TYPE_CHECKING:
+    from poisson_cli.batch.task import Result, Task
+
+__all__ = ["READY", "Perform", "deaf", "serve"]
+
+Perform = Callable[["Task", int], "Result"]
+"""Does a job, begun so many times; must be importable by name, as a new process has to find it."""
+
+READY: Final = "ready"
+"""The first message of a worker."""
+
+_PATIENCE: Final = 3.0
+"""Seconds that a worker has to tidy up when the batch is gone."""
+
+
+_STOPS: Final = (signal.SIGINT, signal.SIGTERM)
+
+
+@contextlib.contextmanager
+def deaf() -> Iterator[None]:
+    """Hear of no signal before the end, and let a process that is started meanwhile hear of none before `serve`.
+
+    Half a start would leave a process that complains about it; a process that is half awake would complain as well.
+    """
+    if not hasattr(
+        signal, "pthread_sigmask"
+    ):  # Windows, where a Ctrl-C in between is the worst that can happen
+        yield
+        return
+    from multiprocessing import resource_tracker
+
+    resource_tracker.ensure_running()  # comes with the first process, and would let signals in when it does
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, _STOPS)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def serve(pipe: Connection, perform: Perform | None, quiet: bool) -> None:
+    """Be a worker until nobody has anything to do any more.
+
+    Parameters
+    ----------
+    pipe
+        Brings (task, attempts), takes results.
+    perform
+        What is done with a task; None for `poisson_cli.batch.task.perform`.
+    quiet
+        Compile the solver, if it has to be, in silence.
+    """
+    code = 0
+    try:
+        # A Ctrl-C at the terminal reaches every process there; what becomes of it is for the batch to say.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        signal.signal(signal.SIGTERM, _stop)
+        if hasattr(signal, "pthread_sigmask"):
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, _STOPS)
+        threading.Thread(target=_end_with_the_batch, name="end with the batch", daemon=True).start()
+        os.environ.setdefault(
+            "OPENBLAS_NUM_THREADS", "1"
+        )  # read when numpy is loaded; jobs are what runs in parallel
+        do = _the_usual(quiet) if perform is None else perform
+        pipe.send(READY)
+        while True:
+            task, attempts = pipe.recv()
+            pipe.send(do(task, attempts))
+    except (EOFError, ConnectionError):
+        pass
+    except errors.Terminated:
+        code = errors.TERMINATED
+    finally:
+        with contextlib.suppress(OSError):
+            pipe.close()
+        os._exit(code)  # at once: nothing is left to tidy up
+
+
+def _the_usual(quiet: bool) -> Perform:
+    """Load all that jobs need, the compiled solver as well, before the first of them."""
+    from poisson_cli import compiling
+    from poisson_cli.batch.task import perform
+    from solvers.kernels.policy import library
+
+    compiling.announce(quiet=quiet)
+    library.addresses("usual")
+    return perform
+
+
+def _stop(_signal: int, _frame: FrameType | None) -> Any:
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)  # once is enough: what tidies up is not to be interrupted
+    raise errors.Terminated
+
+
+def _end_with_the_batch() -> None:
+    """Wait until the batch is gone, however it went, and end this process as well, its current job unfinished."""
+    import multiprocessing
+
+    batch = multiprocessing.parent_process()
+    assert batch is not None
+    batch.join()
+    os.kill(os.getpid(), signal.SIGTERM)  # heard by the main thread, which tidies up
+    time.sleep(_PATIENCE)
+    os._exit(errors.TERMINATED)

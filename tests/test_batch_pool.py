@@ -1,0 +1,175 @@
+"""The workers of a batch, with work of our own instead of jobs: deaths, retries, memory, order."""
+
+import functools
+import os
+import signal
+import time
+from pathlib import Path
+
+import pytest
+
+from poisson_cli.batch import memory, pool
+from poisson_cli.batch.task import Result, Task
+from poisson_cli.errors import PoissonError
+from poisson_cli.job import Job
+from poisson_cli.settings import Output
+from tests.small_pictures import encoded, smooth
+
+
+def tasks(folder: Path, number: int) -> list[Task]:
+    return [
+        Task(k, k, "fill", (Job("fill", folder / "in.png", Output(folder / f"{k}.png")),))
+        for k in range(1, number + 1)
+    ]
+
+
+def run(work, folder: Path, number: int = 6, *, limit: int = 1 << 40, **choices) -> list[Result]:
+    return list(pool.run(tasks(folder, number), limit=limit, perform=work, **{"workers": 2, **choices}))
+
+
+# What workers do; importable, because a new process has to find it.
+
+
+def note(task: Task, attempts: int) -> Result:
+    """Say when it was done, and by whom."""
+    start = time.monotonic()
+    time.sleep(0.03)
+    path = task.outputs[0]
+    path.write_text(f"{start} {time.monotonic()} {os.getpid()}")
+    return Result.of(task, "done", attempts=attempts)
+
+
+def die_once(task: Task, attempts: int, *, on: int = 3) -> Result:
+    """Leave rubbish, and half of the outputs, and die."""
+    if task.number == on and attempts == 1:
+        path = task.outputs[0]
+        path.with_name(f".poisson-{os.getpid()}-abc.tmp").write_text("half")
+        path.with_name(".poisson-1-abc.tmp").write_text("somebody else's")
+        path.write_text("begun")
+        os.kill(os.getpid(), signal.SIGKILL)
+    status = "done" if attempts == 1 or task.jobs[0].output.overwrite else "failed"
+    return Result.of(task, status, attempts=attempts)
+
+
+def die(task: Task, attempts: int, *, on: int = 2, code: int = 7) -> Result:
+    if task.number == on:
+        os._exit(code)
+    return Result.of(task, "done", attempts=attempts)
+
+
+def fail(task: Task, attempts: int) -> Result:
+    return Result.of(task, "failed" if task.number == 2 else "done")
+
+
+class CannotBeLoaded:
+    """Pickles, but cannot be unpickled: what a worker that cannot begin looks like."""
+
+    def __reduce__(self):
+        return os._exit, (9,)
+
+
+def spans(folder: Path) -> list[tuple[float, float]]:
+    return sorted(tuple(map(float, path.read_text().split()[:2])) for path in folder.glob("*.png"))
+
+
+def at_once(folder: Path) -> int:
+    """The most that ran at the same time."""
+    moments = sorted((t, step) for start, end in spans(folder) for t, step in ((start, 1), (end, -1)))
+    running = [0]
+    for _, step in moments:
+        running.append(running[-1] + step)
+    return max(running)
+
+
+def test_each_worker_does_many(tmp_path):
+    results = run(note, tmp_path, 12)
+    assert sorted(result.job for result in results) == list(range(1, 13))
+    assert len({path.read_text().split()[2] for path in tmp_path.glob("*.png")}) == 2
+    assert at_once(tmp_path) == 2
+
+
+def test_no_more_workers_than_jobs_fit_into_memory(tmp_path):
+    assert len(run(note, tmp_path, 6, workers=3, limit=memory.WORKER * 3 // 2)) == 6
+    assert at_once(tmp_path) == 1
+
+
+def test_a_large_job_waits_for_room_and_is_not_overtaken(tmp_path):
+    (tmp_path / "in.png").write_bytes(encoded(smooth(1000, 1000, 1)[:, :, 0]))
+    jobs = tasks(tmp_path, 5)
+    small = [
+        Task(k, k, "fill", (Job("fill", tmp_path / "no.png", Output(tmp_path / f"{k}.png")),))
+        for k in (1, 2, 4, 5)
+    ]
+    order = [small[0], small[1], jobs[2], small[2], small[3]]
+    large = memory.estimator()(jobs[2])
+    assert large > memory.WORKER + 100 * 1000 * 1000
+    begun = []
+    results = list(
+        pool.run(order, workers=2, limit=large, perform=note, begins=lambda task: begun.append(task.number))
+    )
+    assert begun == [1, 2, 3, 4, 5]
+    assert len(results) == 5
+    start, end = map(float, (tmp_path / "3.png").read_text().split()[:2])
+    others = [tuple(map(float, (tmp_path / f"{k}.png").read_text().split()[:2])) for k in (1, 2, 4, 5)]
+    assert all(other_end <= start or end <= other_start for other_start, other_end in others)
+
+
+def test_a_death_costs_one_job_another_attempt(tmp_path):
+    results = {result.job: result for result in run(die_once, tmp_path)}
+    assert {job: (result.status, result.attempts) for job, result in results.items()} == {
+        job: ("done", 2 if job == 3 else 1) for job in range(1, 7)
+    }
+    assert {path.name for path in tmp_path.iterdir()} == {"3.png", ".poisson-1-abc.tmp"}
+
+
+def test_what_was_there_before_is_not_replaced_by_another_attempt(tmp_path):
+    (tmp_path / "3.png").write_text("mine")
+    results = {result.job: result.status for result in run(die_once, tmp_path)}
+    assert results == {job: "failed" if job == 3 else "done" for job in range(1, 7)}
+
+
+@pytest.mark.parametrize(
+    ("code", "exit_code", "text"),
+    [(7, 7, "ended with exit code 7, 2 times"), (0, 1, "ended with exit code 0, 2 times")],
+)
+def test_two_deaths_are_a_failure(tmp_path, code, exit_code, text):
+    results = {result.job: result for result in run(functools.partial(die, code=code), tmp_path)}
+    failed = results.pop(2)
+    assert (failed.status, failed.exit_code, failed.attempts) == ("failed", exit_code, 2)
+    assert text in failed.error
+    assert {result.status for result in results.values()} == {"done"}
+    assert len(results) == 5
+
+
+def test_after_a_failure_no_more_begin_if_so_chosen(tmp_path):
+    assert [result.job for result in run(fail, tmp_path, keep_going=False, workers=1)] == [1, 2]
+    assert len(run(fail, tmp_path, workers=1)) == 6
+
+
+def test_workers_that_cannot_begin_are_an_error_and_no_endless_loop(tmp_path):
+    with pytest.raises(PoissonError, match="3 worker processes in a row .* before they could begin"):
+        run(CannotBeLoaded(), tmp_path)
+
+
+# --- estimates --------------------------------------------------------------------------------------------------------
+
+
+def test_an_estimate_grows_with_the_pictures_and_never_fails(tmp_path):
+    for side in (100, 200):
+        (tmp_path / f"{side}.png").write_bytes(encoded(smooth(side, side, 3)))
+    (tmp_path / "broken.png").write_bytes(b"\x89PNG\r\n\x1a\nnothing")
+    os.mkfifo(tmp_path / "pipe.png")
+    estimate = memory.estimator()
+
+    def of(name: str, source: str | None = None) -> int:
+        job = Job("clone", tmp_path / name, Output(tmp_path / "o.png"), source=source and tmp_path / source)
+        return estimate(Task(1, 1, "clone", (job,)))
+
+    nothing = of("no.png")
+    assert nothing == of("broken.png") == of("pipe.png") == memory.WORKER
+    assert nothing < of("100.png") < of("100.png", "200.png") < of("200.png", "200.png")
+
+
+def test_there_is_some_memory():
+    assert memory.available() > 0
+    assert [memory.said(size) for size in (1, 5 << 20, 3 << 29)] == ["1 MiB", "5 MiB", "1.5 GiB"]
