@@ -105,6 +105,11 @@ def is_alive(pid: int) -> bool:
         return False
 
 
+def is_buried(pid: int) -> bool:
+    """Whether nothing is left of a process: before that, a thread of it may still hold a pipe open."""
+    return not Path(f"/proc/{pid}").exists()
+
+
 def wait_until(condition: Any, what: str) -> None:
     deadline = time.monotonic() + 60
     while not condition():

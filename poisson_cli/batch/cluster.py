@@ -15,13 +15,12 @@ import dataclasses
 import logging
 import pickle
 import uuid
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, suppress
 from typing import TYPE_CHECKING, Any, Final
 
-from poisson_cli.batch.pool import ATTEMPTS
 from poisson_cli.batch.task import Result, Task, perform
 from poisson_cli.errors import BUG, InputError, PoissonError
 
@@ -96,7 +95,7 @@ def _connected(scheduler: str, processes: int | None, stack: ExitStack) -> Clien
         if scheduler == LOCAL:
             from solvers.team import available_cores
 
-            with dask.config.set({"distributed.scheduler.allowed-failures": ATTEMPTS - 1}):
+            with dask.config.set({"distributed.scheduler.allowed-failures": 0}):
                 cluster = stack.enter_context(
                     distributed.LocalCluster(
                         n_workers=processes or available_cores(), threads_per_worker=1, dashboard_address=None
@@ -129,6 +128,8 @@ class _Submission:
     ) -> None:
         self._distributed, self._client, self._begins = distributed, client, begins
         self._waiting = deque(tasks)
+        self._suspects: deque[Task] = deque()
+        self._begun: Counter[int] = Counter()  # how often each job was, before it was sent for the last time
         self._limit = limit
         self._batch = uuid.uuid4().hex
         self._submitted: dict[Any, Task] = {}
@@ -145,8 +146,11 @@ class _Submission:
             for future in futures:
                 result = self._result(future, 1 + lost.get(future.key, 0))
                 del self._submitted[future]
+                if result is None:
+                    continue
                 if result.status == "failed" and not keep_going:
                     self._waiting.clear()
+                    self._suspects.clear()
                 yield result
 
     def cancel(self) -> None:
@@ -156,33 +160,45 @@ class _Submission:
                 self._client.cancel(list(self._submitted), reason="the batch has ended")
 
     def _submit(self) -> None:
-        if not self._waiting:
-            return
-        # Asked each time, because workers come and go.
-        limit = self._limit or _AHEAD * max(1, sum(self._client.nthreads().values()))
-        while self._waiting and len(self._submitted) < limit:
-            task = self._waiting.popleft()
-            # What Dask begins again, because a worker was lost, meets outputs of its own: it may replace them, and
-            # anybody else's only if they were not there before.
-            sent = task if task.is_begun() else task.replacing()
-            future = self._client.submit(
-                _perform, pickle.dumps(sent), key=f"poisson-{self._batch}-{task.number}", pure=False
-            )
-            self._submitted[future] = task
-            self._completed.add(future)
-            self._begins(task)
+        if self._waiting:
+            # Asked each time, because workers come and go.
+            limit = self._limit or _AHEAD * max(1, sum(self._client.nthreads().values()))
+            while self._waiting and len(self._submitted) < limit:
+                self._send(self._waiting.popleft())
+        elif self._suspects and not self._submitted:
+            self._send(self._suspects.popleft())
 
-    def _result(self, future: Any, attempts: int) -> Result:
+    def _send(self, task: Task) -> None:
+        # What is begun again, because a worker was lost, meets outputs of its own: it may replace them, and anybody
+        # else's only if they were not there before.
+        if not self._begun[task.number] and not task.is_begun():
+            task = task.replacing()
+        key = f"poisson-{self._batch}-{task.number}-{self._begun[task.number]}"
+        future = self._client.submit(_perform, pickle.dumps(task), key=key, pure=False)
+        self._submitted[future] = task
+        self._completed.add(future)
+        self._begins(task)
+
+    def _result(self, future: Any, attempts: int) -> Result | None:
+        """What became of a task; None if it is to be tried again."""
         task = self._submitted[future]
+        before = self._begun[task.number]
         try:
             result: Result = future.result()
         except self._distributed.KilledWorker as error:
+            # Dask blames every task that the lost worker had, those that had not begun as well. So all of them are
+            # tried again, each with nothing beside it, which shows who is to blame.
+            times = before + error.allowed_failures + 1
+            if not before:
+                self._begun[task.number] = times
+                self._suspects.append(task)
+                return None
             return Result.of(
                 task,
                 "failed",
                 exit_code=BUG,
-                error=f"its worker was lost, {error.allowed_failures + 1} times; perhaps there was not enough memory",
-                attempts=error.allowed_failures + 1,
+                error=f"its worker was lost, {times} times; perhaps there was not enough memory",
+                attempts=times,
             )
         except CancelledError as error:
             raise PoissonError("the scheduler is gone, or has cancelled the batch; run it again") from error
@@ -191,7 +207,7 @@ class _Submission:
                 f"the cluster cannot do jobs ({type(error).__name__}: {error}); it needs this version of poisson-cli "
                 "on the scheduler and on every worker"
             ) from error
-        return dataclasses.replace(result, attempts=attempts)
+        return dataclasses.replace(result, attempts=before + attempts)
 
     def _times_lost(self, futures: Sequence[Any]) -> dict[str, int]:
         """How many workers were lost with each task: only the scheduler knows."""
