@@ -26,8 +26,8 @@ CYCLE: Final = "F"
 THRESHOLD: Final = 128
 """8-bit value from which a pixel of a mask picture is selected."""
 
-LOW: Final = 6
-HIGH: Final = 12
+LOW: Final = 4
+HIGH: Final = 9
 SIGMA: Final = 1
 """Canny's thresholds, in levels per pixel, and the blur before it, in pixels; those of ``flatten``."""
 

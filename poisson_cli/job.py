@@ -96,6 +96,8 @@ class Summary:
         Other files that were written: what they show, and where.
     guarded
         Whether anything was done against colours that bleed in.
+    tinted
+        Whether the source has no hue of its own, so that the destination's is wanted.
     notices
         What the user should know about the inputs and the output, a line each.
     """
@@ -107,6 +109,7 @@ class Summary:
     profile_dropped: bool
     beside: Mapping[str, Path] = field(default_factory=dict)
     guarded: bool = False
+    tinted: bool = False
     notices: tuple[str, ...] = ()
 
 
@@ -204,12 +207,16 @@ class _Inputs(NamedTuple):
 
 
 class _Made(NamedTuple):
-    """What became of a job: the report, the pixels selected, notices, and the pictures to write, by what they are."""
+    """What became of a job: the report, the pixels selected, notices, and the pictures to write, by what they are.
+
+    `tinted` is that of `Summary`.
+    """
 
     report: editing.EditReport
     selected: int | None
     notices: tuple[str, ...]
     pictures: dict[str, Picture]
+    tinted: bool
 
 
 def _targets(job: Job) -> dict[str, Target]:
@@ -276,7 +283,9 @@ def _make(
     if job.preview is not None:
         pictures["preview"] = _three_times_three(result)
     notices, asking.notices = tuple(asking.notices), []
-    return _Made(edit.report, n_selected, notices, pictures)
+    hueless = source is not None and source.pixels.ndim == 2
+    tinted = hueless or bool(job.parameters.get("monochrome"))
+    return _Made(edit.report, n_selected, notices, pictures, tinted)
 
 
 def _edges(job: Job) -> Edges | None:
@@ -315,6 +324,7 @@ def _summary(job: Job, made: _Made, targets: Mapping[str, Target], seconds: Mapp
         profile_dropped="profile" in dropped,
         beside={what: target.path for what, target in targets.items() if what != "result"},
         guarded=bool(job.parameters.get("screen") or job.parameters.get("robust")),
+        tinted=made.tinted,
         notices=(*made.notices, *notice),
     )
 

@@ -460,7 +460,7 @@ then: Final = _bundle(
             "--focus",
             type=NOT_NEGATIVE,
             metavar="F",
-            help="Multiply the imported gradients: above 1 sharper, below 1 softer.",
+            help="Multiply the imported gradients: above 1 sharper, below 1 paler.",
         ),
         click.option("--relight", is_flag=True, help="Even out the imported gradients, large and small."),
         relight,

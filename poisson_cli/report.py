@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import math
 import sys
-from typing import TYPE_CHECKING, Any, Final, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
+from poisson_cli.hints import hints
 from poisson_cli.streams import STANDARD, printable, silence
 
 if TYPE_CHECKING:
@@ -19,21 +20,7 @@ if TYPE_CHECKING:
     from poisson_cli.masking import MaskSummary
     from poisson_cli.settings import Reporting
 
-__all__ = ["as_dict", "details", "hints", "line", "mask_as_dict", "mask_line", "tell", "tell_mask"]
-
-LARGE_MISMATCH: Final = 100.0
-"""Levels between source and destination, the mean along the border, from which a clone is unlike its source.
-
-Half of that is nothing unusual in good clones: an even shift of brightness is what cloning is for.
-"""
-
-_MOVE: Final = "move the border to where they are alike, or keep the source's colours with --screen .001"
-_AGAINST_BLEEDING: Final = {
-    "clone": _MOVE,
-    "mix": _MOVE,
-    "heal": "name a patch that is more like the surroundings, with --from",
-}
-"""What helps, for each tool that imports gradients from elsewhere."""
+__all__ = ["as_dict", "details", "line", "mask_as_dict", "mask_line", "tell", "tell_mask"]
 
 
 def tell(summary: Summary, reporting: Reporting) -> None:
@@ -114,7 +101,7 @@ def line(summary: Summary) -> str:
     if edit.floating and summary.selected is not None:  # of a whole picture that is understood
         parts.append("no known pixel around a part: its mean is kept")
     if edit.offset is not None:
-        parts.append(f"patch from {_xy(edit.offset)} away")
+        parts.append(f"patch from {_from(edit.offset)}")
     if edit.edge_share is not None:
         parts.append(f"{edit.edge_share:.1%} edges")
     if edit.scale != 1:
@@ -126,27 +113,6 @@ def line(summary: Summary) -> str:
     parts.append(_duration(sum(summary.seconds.values())))
     beside = "".join(f", {what} -> {printable(str(path))}" for what, path in summary.beside.items())
     return f"{', '.join(parts)} -> {_named(summary.output)}{beside}"
-
-
-def hints(summary: Summary) -> list[str]:
-    """What would have been better, each in one line.
-
-    Parameters
-    ----------
-    summary
-        What was done.
-    """
-    edit = summary.edit
-    found = [] if edit.advice is None else [edit.advice]
-    mismatch = max(edit.boundary_mismatch or (0.0,))
-    if edit.tool in _AGAINST_BLEEDING and mismatch >= LARGE_MISMATCH and not summary.guarded:
-        found.append(
-            f"along the border the pictures differ by {mismatch:.0f} levels on average, so that colours bleed in; "
-            + _AGAINST_BLEEDING[edit.tool]
-        )
-    if edit.edge_share == 0:
-        found.append("there is no edge in the selection, so that all detail is gone; lower --high and --low")
-    return found
 
 
 def details(summary: Summary) -> str:
@@ -201,9 +167,10 @@ def as_dict(summary: Summary) -> dict[str, Any]:
     -------
     dict
         ``region``: pixels selected, null for a tool that needs no selection; ``unknowns``: those of them on the
-        destination, in ``rectangle``; errors, ``boundary_mismatch`` and ``overshoot`` in levels; ``outliers`` and
-        ``edge_share`` from 0 to 1; ``scale``: what the gradients were multiplied by to fit the range; ``offset``: where
-        a patch came from; ``beside``: other files that were written; ``seconds`` per stage and in ``total``.
+        destination, in ``rectangle``; errors, ``boundary_mismatch``, ``boundary_shift`` (the same with its sign) and
+        ``overshoot`` in levels; ``outliers`` and ``edge_share`` from 0 to 1; ``scale``: what the gradients were
+        multiplied by to fit the range; ``offset``: where a patch came from; ``beside``: other files that were written;
+        ``seconds`` per stage and in ``total``.
     """
     edit = summary.edit
     row, col, height, width = edit.rectangle
@@ -225,6 +192,7 @@ def as_dict(summary: Summary) -> dict[str, Any]:
         else None,
         "floating": edit.floating,
         "boundary_mismatch": None if edit.boundary_mismatch is None else list(edit.boundary_mismatch),
+        "boundary_shift": None if edit.boundary_shift is None else list(edit.boundary_shift),
         "outliers": edit.outliers,
         "space": edit.space,
         "overshoot": edit.overshoot,
@@ -293,9 +261,12 @@ def _proven(bound: float) -> str:
     return f"at most {bound:.2g} proven" if math.isfinite(bound) else "no bound proven"
 
 
-def _xy(offset: tuple[int, int]) -> str:
+def _from(offset: tuple[int, int]) -> str:
+    """Where a patch was taken from, in words and as an option."""
     row, col = offset
-    return f"{col},{row}"
+    steps = [(abs(col), "left" if col < 0 else "right"), (abs(row), "up" if row < 0 else "down")]
+    words = ", ".join(f"{pixels} {direction}" for pixels, direction in steps if pixels)
+    return f"{words or 'where it is'} (--from {col},{row})"
 
 
 def _counted(number: int, noun: str) -> str:

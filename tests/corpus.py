@@ -37,8 +37,21 @@ ROLES = {
     "source of mix": "mix {file} plain.png --rect 3,3,20,15 --bit-depth 16",
     "destination of mix": "mix grey.png {file} --rect 3,3,20,15",
     "mask of mix": "mix grey.png plain.png -m {file}",
+    "picture of flatten": "flatten {file} --rect 3,3,20,15",
+    "edges of flatten": "flatten plain.png --rect 3,3,20,15 --edges {file}",
+    "picture of relight": "relight {file} --rect 3,3,20,15",
+    "mask of relight": "relight plain.png -m {file}",
+    "picture of recolor": "recolor {file} --rect 3,3,20,15 --hue 90",
+    "mask of recolor": "recolor plain.png -m {file} --gain 1.2,1,.8 --space lab",
+    "picture of focus": "focus {file} --rect 3,3,20,15 --amount 1.3",
+    "picture of heal": "heal {file} --rect 9,9,5,4",
+    "mask of heal": "heal plain.png -m {file} --intersect --rect 9,9,5,4 --from 3,2",
+    "picture of tile": "tile {file}",
+    "picture of tonemap": "tonemap {file}",
+    "picture of mask": "mask {file} --rect 3,3,20,15 --over",
+    "mask of mask": "mask plain.png -m {file} --grow 2",
 }
-COMMON = ["-o", "out.tif", "--max-iterations", "100"]
+COMMON = ["-o", "out.tif"]
 
 
 class Outcome(NamedTuple):
@@ -60,6 +73,8 @@ def attempt(data: bytes, role: str) -> Outcome:
     Path("file").write_bytes(data)
     Path("out.tif").unlink(missing_ok=True)
     words = [*ROLES[role].format(file="file").split(), *COMMON]
+    if words[0] != "mask":
+        words += ["--max-iterations", "100"]
     said, kept = io.StringIO(), os.dup(2)
     with tempfile.TemporaryFile() as past:
         os.dup2(past.fileno(), 2)

@@ -262,7 +262,7 @@ def tonemap(
     *,
     alpha: float = 0.1,
     beta: float = 0.1,
-    saturation: float = 0.8,
+    saturation: float = 0.6,
     black: float = 0.5,
     white: float = 99.5,
     floor: float = 0.01,

@@ -387,6 +387,7 @@ def test_json_is_one_object_with_everything(folder, poisson):
         "hints": [],
         "floating": False,
         "boundary_mismatch": list(report.boundary_mismatch),
+        "boundary_shift": list(report.boundary_shift),
         "outliers": report.outliers,
         "space": "rgb",
         "overshoot": report.overshoot,

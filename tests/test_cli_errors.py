@@ -112,7 +112,7 @@ USAGE = {
         [*FLATTEN, "--edges", "grey.png", "--low", "3"],
         "--low is for finding edges; with --edges there is nothing to find.",
     ),
-    "low above high": ([*FLATTEN, "--low", "13"], "--low is 13, above --high, which is 12."),
+    "low above high": ([*FLATTEN, "--low", "13"], "--low is 13, above --high, which is 9."),
     "low negative": ([*FLATTEN, "--low", "-1"], "'-1' is not a number, 0 or greater"),
     "edges of no flattening": ([*CLONE, "--edges", "grey.png"], "--edges belongs to --flatten; add that."),
     "sigma of no flattening": ([*CLONE, "--focus", "2", "--sigma", "1"], "--sigma belongs to --flatten"),

@@ -124,3 +124,18 @@ def test_help_is_made_of_sentences(name):
     for parameter in COMMANDS[name].params:
         if isinstance(parameter, click.Option):
             assert re.fullmatch(r"[A-Z].*\.", parameter.help or "", re.DOTALL), parameter.name
+
+
+@pytest.mark.parametrize(
+    ("name", "warning"),
+    [
+        ("focus", "It does not blur"),
+        ("focus", "no depth of field"),
+        ("heal", "Leave a margin of a few pixels around what is to go"),
+        ("recolor", "to make it blue, use --hue"),
+        ("recolor", "--screen .0005 keeps them"),
+        ("recolor", "where it crosses strong colours"),
+    ],
+)
+def test_help_says_what_to_beware_of(poisson, name, warning):
+    assert warning in " ".join(poisson(name, "--help").out.split())

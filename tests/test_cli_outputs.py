@@ -168,7 +168,7 @@ def test_heal_says_where_the_patch_is_from(folder, poisson):
     assert ran.code == 0
     row, col = editing.heal(DESTINATION, mask).report.offset
     assert json.loads(ran.out)["offset"] == {"x": col, "y": row}
-    assert f", patch from {col},{row} away, " in ran.err
+    assert f" (--from {col},{row}), " in ran.err
     poisson(*"heal destination.png --rect 20,14,9,8 -o again.png".split(), f"--from={col},{row}")
     np.testing.assert_array_equal(load("again.png"), load("out.png"))
 

@@ -103,7 +103,12 @@ each_scene = pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.na
 
 
 def test_every_tool_is_shown():
-    tools = {file.stem for file in Path(commands.__path__[0]).glob("[!_]*.py")} - {"demo", "mask", "warmup"}
+    tools = {file.stem for file in Path(commands.__path__[0]).glob("[!_]*.py")} - {
+        "batch",
+        "demo",
+        "mask",
+        "warmup",
+    }
     assert tools <= {command.words[0] for scene in SCENES for command in scene.commands}
 
 

@@ -8,6 +8,7 @@ import pytest
 
 from poisson_cli import report
 from poisson_cli.editing import EditReport
+from poisson_cli.hints import hints
 from poisson_cli.job import Summary
 from poisson_cli.settings import Reporting
 
@@ -64,7 +65,11 @@ def test_the_line():
         ({"error_estimate": 1.0}, ", error < 1 levels, "),
         ({"error_estimate": 37.2}, ", error < 38 levels, "),
         ({"floating": True}, ", no known pixel around a part: its mean is kept, "),
-        ({"offset": (3, -60)}, ", patch from -60,3 away, "),
+        ({"offset": (3, -60)}, ", patch from 60 left, 3 down (--from -60,3), "),
+        ({"offset": (-84, 74)}, ", patch from 74 right, 84 up (--from 74,-84), "),
+        ({"offset": (0, 5)}, ", patch from 5 right (--from 5,0), "),
+        ({"offset": (-1, 0)}, ", patch from 1 up (--from 0,-1), "),
+        ({"offset": (0, 0)}, ", patch from where it is (--from 0,0), "),
         ({"edge_share": 0.0314}, ", 3.1% edges, "),
         ({"scale": 0.8349}, ", gradients x 0.83 to fit the range, "),
         ({"beside": {"edges": Path("e.png")}}, " -> out.png, edges -> e.png"),
@@ -118,32 +123,13 @@ def test_the_object_of_a_tool_with_more_to_say():
     json.dumps(told)
 
 
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ({"boundary_mismatch": (3.0, 100.4, 3.0)}, True),
-        ({"boundary_mismatch": (99.9, 99.9, 99.9)}, False),
-        ({"boundary_mismatch": (199.0,), "tool": "tile"}, False),
-        ({"boundary_mismatch": (199.0,), "guarded": True}, False),
-        ({"boundary_mismatch": None}, False),
-    ],
-)
-def test_a_large_mismatch_comes_with_advice(capsys, changes, said):
-    summary = changed(**changes)
-    hints = report.hints(summary)
-    assert len(hints) == said
+def test_hints_come_after_the_line_and_in_the_object(capsys):
+    summary = changed(boundary_mismatch=(3.0, 100.4, 3.0), scale=0.3)
     report.tell(summary, Reporting())
     lines = capsys.readouterr().err.splitlines()[1:]
-    assert lines == [f"poisson: hint: {hint}" for hint in hints]
-    if said:
-        assert hints[0].startswith("along the border the pictures differ by 100 levels on average")
-        assert "--screen" in hints[0]
-
-
-def test_a_heal_and_a_flattening_have_hints_of_their_own():
-    assert "--from" in report.hints(changed(boundary_mismatch=(199.0,), tool="heal"))[0]
-    assert "lower --high" in report.hints(changed(boundary_mismatch=None, edge_share=0.0))[0]
-    assert report.hints(changed(boundary_mismatch=None, edge_share=1e-6)) == []
+    assert len(lines) == 2
+    assert lines == [f"poisson: hint: {hint}" for hint in hints(summary)]
+    assert report.as_dict(summary)["hints"] == hints(summary)
 
 
 def test_a_clone_onto_itself_has_something_to_say(folder, poisson):

@@ -162,7 +162,7 @@ def perform(task: Task, attempts: int = 1) -> Result:
 
 def _do(task: Task) -> dict[str, Any]:
     """Do the jobs, and tell what the report says of them."""
-    from poisson_cli import report
+    from poisson_cli.hints import hints
 
     edits = [job for job in task.jobs if isinstance(job, Job)]
     notices = [
@@ -172,7 +172,7 @@ def _do(task: Task) -> dict[str, Any]:
         return {"notices": tuple(notices)}
     summaries = run_together(edits, before_commit=None)
     for summary in summaries:
-        notices += [*summary.notices, *report.hints(summary)]
+        notices += [*summary.notices, *hints(summary)]
     return {
         "unknowns": sum(summary.edit.unknowns for summary in summaries),
         "error_estimate": max(summary.edit.error_estimate for summary in summaries),

@@ -25,7 +25,7 @@ __all__ = ["command"]
     type=NOT_NEGATIVE,
     metavar="F",
     required=True,
-    help="Multiply the gradients: above 1 sharper, below 1 softer, 0 smooth.",
+    help="Multiply the gradients: above 1 sharper, below 1 paler and hazier (not a blur), 0 smooth.",
 )
 @options.rescale
 @options.space
@@ -44,7 +44,8 @@ def command(
 ) -> None:
     """Sharpen or soften a selection of IMAGE: its gradients are multiplied, and nothing shows where that begins.
 
-    Large differences of brightness are multiplied as well as fine detail: below 1 the selection loses contrast.
+    It does not blur: below 1 the selection loses contrast like in haze, and what touches the border bleeds in, because
+    large differences of brightness are multiplied as well as fine detail. It is no depth of field.
 
     \b
     Example: a sharper face, white in face.png:

@@ -52,6 +52,8 @@ def command(
 ) -> None:
     """Hide a selection of IMAGE under a patch from elsewhere in the same picture.
 
+    Leave a margin of a few pixels around what is to go: the patch is chosen by what lies along the border.
+
     \b
     Example: a mole, white in mole.png:
       poisson heal portrait.jpg -m mole.png -o out.png

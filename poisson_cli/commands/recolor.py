@@ -26,7 +26,8 @@ __all__ = ["command"]
     metavar="R,G,B",
     default="1,1,1",
     show_default=True,
-    help="Multiply red, green and blue.",
+    help="Multiply red, green and blue. There is next to no blue to multiply in a saturated red: to make it blue, use "
+    "--hue.",
 )
 @click.option(
     "--hue",
@@ -42,7 +43,12 @@ __all__ = ["command"]
     default=1.0,
     help="Multiply how colourful they are: 0 is grey.",
 )
-@click.option("--decolor-background", is_flag=True, help="Make the picture grey outside the selection.")
+@click.option(
+    "--decolor-background",
+    is_flag=True,
+    help="Make the picture grey outside the selection. Where the surroundings were warm, greys inside turn bluish: "
+    "--screen .0005 keeps them.",
+)
 @options.screen
 @options.rescale
 @options.space
@@ -61,7 +67,8 @@ def command(
 ) -> None:
     """Change the colours in a selection of IMAGE; a loose outline around the object will do.
 
-    The recoloured picture is cloned into the original, so that what is around the object keeps its colour.
+    The recoloured picture is cloned into the original, so that what is around the object keeps its colour. Lead the
+    border through what hardly changes: where it crosses strong colours, the inside is shifted back.
 
     \b
     Example: a yellow flower made red, roughly outlined in flower.png:

@@ -39,9 +39,9 @@ __all__ = ["command"]
     "--saturation",
     type=NOT_NEGATIVE,
     metavar="F",
-    default=0.8,
+    default=0.6,
     show_default=True,
-    help="How much of the colour to keep: 1 is all of it.",
+    help="How much of the colour to keep: 1 is all of it, and glows where much was dark.",
 )
 @click.option(
     "--black",

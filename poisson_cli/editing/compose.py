@@ -64,7 +64,8 @@ def compose(
         return solve(problem, **options)
 
     window = window_on(field)
-    mismatch, outliers = window.boundary_mismatch(), window.outliers()
+    mismatch, shift = window.boundary_mismatch() or (None, None)
+    outliers = window.outliers()
     preparing = perf_counter() - start
     if rescale:
         result, scale = solve_in_range(window, window_on(without_guidance(field)), solved)
@@ -80,6 +81,7 @@ def compose(
         space=space.name,
         seconds=seconds,
         boundary_mismatch=mismatch,
+        boundary_shift=shift,
         outliers=outliers,
         clipped=window.clipped,
         overshoot=window.overshoot,

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from poisson_cli.editing import tone
 from poisson_cli.errors import InputError
 
-LOW = 6.0  # levels per pixel
-HIGH = 12.0
+LOW = 4.0  # levels per pixel
+HIGH = 9.0
 SIGMA = 1.0  # pixels
 
 # OpenCV's 3 x 3 Sobel filter, which its Canny uses, gives this many times the gradient.

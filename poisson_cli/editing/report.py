@@ -32,6 +32,8 @@ class EditReport:
     boundary_mismatch : tuple of float or None
         Per channel, the mean of |f* - g| over the boundary before anything is solved, in levels; None where no
         boundary pixel has a source, and for tools that import nothing.
+    boundary_shift : tuple of float or None
+        Per channel, the mean of f* - g there, in levels: what is added to g on the whole.
     clipped : int
         Values of integer pictures that left the range and were clipped.
     seconds : dict
@@ -77,6 +79,7 @@ class EditReport:
     scale: float = 1.0
     offset: tuple[int, int] | None = None
     edge_share: float | None = None
+    boundary_shift: tuple[float, ...] | None = None
 
 
 @dataclass(frozen=True)

@@ -178,18 +178,23 @@ class Window:
         rows, cols = self._placement.boundary
         return Rim(rows, cols, np.ascontiguousarray(self._differences, np.float32))
 
-    def boundary_mismatch(self) -> tuple[float, ...] | None:
-        """Per channel, the mean of |f* - g| over the boundary, in levels; None where no boundary pixel has a source."""
+    def boundary_mismatch(self) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
+        """Per channel, the means over the boundary of |f* - g| and of f* - g, in levels.
+
+        None where no boundary pixel has a source.
+        """
         if self._source is None:
             return None
         there = self._placement.boundary_on_source()
         if there[0].size == 0:
             return None
         if self.small_integers and self.field.picture == "source" and there is self._placement.boundary:
-            mismatch = np.abs(self._differences)
+            differences = self._differences
         else:
-            mismatch = np.abs(self._destination.stored_at(*there) - self._source.stored_at(*there))
-        return tuple(float(m) for m in mismatch.mean(0, dtype=np.float64) / tone.level(self._picture.dtype))
+            differences = self._destination.stored_at(*there) - self._source.stored_at(*there)
+        level = tone.level(self._picture.dtype)
+        mismatch, shift = (d.mean(0, dtype=np.float64) / level for d in (np.abs(differences), differences))
+        return tuple(mismatch.tolist()), tuple(shift.tolist())
 
     def outliers(self) -> float | None:
         """The share of outliers among the boundary's pixels, or some of them, before anything is done about them."""

@@ -135,7 +135,8 @@ def recolor(
         Not negative; 0 is grey.
     decolor_background : bool
         f* is the picture's luminance, in all three channels and as the picture's dtype stores it (rounded half to
-        even): that is what the output shows outside the selection.
+        even): that is what the output shows outside the selection.  The colour that the boundary loses is missing
+        inside as well, where greys turn to its opposite; a `screen` of .0005 keeps them.
     screen, rescale, space, **options
         See `clone`.
     """
@@ -166,6 +167,9 @@ def focus(
     **options: Unpack[SolverOptions],
 ) -> Edit:
     """An apparent change of focus: v = amount * grad f* (the paper's conclusion).
+
+    Coarse gradients are multiplied as well as fine ones: below 1 the selection loses contrast, like in haze, and takes
+    the colours of its border.  That is no blur, and no depth of field.
 
     Parameters
     ----------

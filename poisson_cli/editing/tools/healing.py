@@ -31,12 +31,13 @@ def heal(
 ) -> Edit:
     """Concealment: the selection cloned over from elsewhere in the same picture (Fig. 2).
 
-    Without an offset, the one is taken whose surroundings look most like the selection's own.  What is compared is the
-    mean squared difference over a rim of 4 pixels around the selection, once the mean of the differences, which
-    cloning evens out, is taken off each channel, plus a quarter of the variance of the patch, so that nothing new is
-    brought in.  The patch and its rim lie inside the picture and do not touch the selection.  Of equally good offsets
-    the nearest is taken.  Large pictures are searched at a reduced size, a million pixels, and the best places are
-    then looked at pixel by pixel.
+    Without an offset, the one is taken whose surroundings look most like the selection's own.  What is compared is a
+    rim of 4 pixels around the selection: per channel the variance of the differences there, plus a quarter of their
+    squared mean, which cloning evens out, but at the price of colours that bleed in; plus a quarter of the variance of
+    the patch, so that nothing new is brought in.  The selection should leave a margin of a few pixels around what is
+    to go, or what is compared is its blurred edge.  The patch and its rim lie inside the picture and do not touch the
+    selection.  Of equally good offsets the nearest is taken.  Large pictures are searched at a reduced size, a million
+    pixels, and the best places are then looked at pixel by pixel.
 
     Parameters
     ----------

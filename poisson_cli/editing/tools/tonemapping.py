@@ -21,7 +21,7 @@ def tonemap(
     *,
     alpha: float = 0.1,
     beta: float = 0.1,
-    saturation: float = 0.8,
+    saturation: float = 0.6,
     black: float = 0.5,
     white: float = 99.5,
     floor: float = 0.01,
@@ -58,7 +58,8 @@ def tonemap(
     beta : float
         From 0 to 1; how strongly.  0 leaves all gradients as they are, .2 looks unreal.  Fattal et al. write 1 - beta.
     saturation : float
-        Not negative; 1 keeps the ratios of colours, which look too strong where much range was taken away.
+        Not negative; 1 keeps the ratios of colours, which look too strong where much range was taken away: above .6
+        what is red or blue begins to glow.
     black, white : float
         From 0 to 100, the first the smaller one.
     floor : float
