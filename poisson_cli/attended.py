@@ -57,13 +57,15 @@ def run(jobs: Sequence[Job] | Sequence[MaskJob], reporting: Reporting) -> None:
     if collecting is not None:
         collecting += jobs
         return
-    from poisson_cli import job, masking, progress, report
+    from poisson_cli import job, progress, report
 
     edits: list[job.Job] = []
     for one in jobs:
         if isinstance(one, job.Job):
             edits.append(one)
         else:
+            from poisson_cli import masking
+
             report.tell_mask(masking.run(one), reporting)
     if edits:
         with progress.shown(reporting, edits[0].solver) as watch:

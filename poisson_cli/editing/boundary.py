@@ -33,15 +33,22 @@ def outlyingness(difference: Values, level: float) -> Values:
     (n,) float
         That of the channel in which it is largest; above 1 for outliers.
     """
-    distance = np.abs(difference - np.median(difference, axis=0))
-    usual = DEVIATION_PER_MEDIAN * np.median(distance, axis=0)
+    distance = np.abs(difference - _median(difference))
+    usual = DEVIATION_PER_MEDIAN * _median(distance)
     far: Values = (distance / (DEVIATIONS * np.maximum(usual, level / DEVIATIONS))).max(1)
     return far
 
 
 def winsorised(difference: Values, level: float) -> Values:
     """The differences, (n, C), with outliers drawn towards the median, in a straight line, to where outliers begin."""
-    middle: Any = np.median(difference, axis=0).astype(difference.dtype)
+    middle = _median(difference)
     far: Any = np.maximum(outlyingness(difference, level), 1)[:, np.newaxis].astype(difference.dtype)
     drawn: Values = np.where(far > 1, middle + (difference - middle) / far, difference)
     return drawn
+
+
+def _median(values: Values) -> Any:
+    """Of (n, C) values, per channel.  `numpy.median` does the same and imports masked arrays for it: 6 ms."""
+    low, high = (len(values) - 1) // 2, len(values) // 2
+    sorted_there = np.partition(values, (low, high), axis=0)
+    return (sorted_there[low] + sorted_there[high]) / 2
