@@ -113,7 +113,9 @@ class _Bench:
         bare, _ = self.time(_poisson(*CLONE, "bare.png"))
         shutil.rmtree(self.folder / "cache")
         seconds, said = self.time(_poisson(*CLONE, "first.png"))
-        print(f"first run, empty cache: {duration(seconds)} ({duration(bare)} without bytecode, from a checkout)")
+        print(
+            f"first run, empty cache: {duration(seconds)} ({duration(bare)} without bytecode, from a checkout)"
+        )
         print("it says\n")
         print("\n".join(f"    {line}" for line in said.splitlines()), end="\n\n", flush=True)
         return [] if "compil" in said else ["the first run does not say that it compiles"]

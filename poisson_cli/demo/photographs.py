@@ -30,7 +30,6 @@ CREDITS: Final = {
     "coins.png": "Greek coins from Pompeii: Brooklyn Museum, no known copyright restrictions",
     "hubble_deep_field.jpg": "Hubble eXtreme Deep Field: NASA, free use",
     "logo.png": "The scikit-image logo: the scikit-image team",
-    "moon.png": "Surface of the moon: the scikit-image team",
     "motorcycle_left.png": "Motorcycle: D. Scharstein and others, Middlebury Stereo Datasets 2014",
     "rocket.jpg": "Falcon 9 with DSCOVR: SpaceX, public domain",
 }
