@@ -149,7 +149,8 @@ def _resident(pid: int) -> Iterator[int]:
         children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
         for one in (str(pid), *children):
             status = Path(f"/proc/{one}/status").read_text()
-            size = 1024 * int(status.partition("VmRSS:")[2].split()[0])
+            _, _, resident = status.partition("VmRSS:")  # one that is ending has none any more
+            size = 1024 * int(resident.split()[0]) if resident else 0
             if size > 32 << 20:  # what minds the others is small
                 yield size
     except OSError:
