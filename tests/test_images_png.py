@@ -83,7 +83,9 @@ def test_the_rows_are_those_of_the_picture(pixels, band, monkeypatch):
     assert all(content for name, content in blocks(data) if name == b"IDAT")
 
 
-def test_every_row_has_the_filter_that_suits_it():
+@pytest.mark.parametrize("band", [1, 1 << 18])
+def test_every_row_has_the_filter_that_suits_it(band, monkeypatch):
+    monkeypatch.setattr(png_writer, "_BAND", band)
     random = np.random.default_rng(5)
     ramp = np.arange(100, dtype=np.uint8) * 2
     noise = random.integers(0, 256, 100, np.uint8)
