@@ -499,7 +499,7 @@ def test_an_encoder_that_fails_leaves_nothing(tmp_path, monkeypatch):
     def fail(*_, **__):
         raise OSError("encoder error -2 when writing image file")
 
-    target = images.prepare(tmp_path / "a.png", overwrite=False)
+    target = images.prepare(tmp_path / "a.jpg", overwrite=False)
     monkeypatch.setattr(Image.Image, "save", fail)
     with pytest.raises(OutputError, match="encoder error -2"):
         images.write(target, picture(RGB))

@@ -23,8 +23,7 @@ from poisson_cli.images.formats import BMP, GIF, JPEG, WEBP, Format
 from poisson_cli.images.header import refuse_hollow
 from poisson_cli.images.picture import Picture
 
-__all__ = ["decode", "encode", "encode_with_pillow", "page_of", "settings_of"]
-
+__all__ = ["decode", "encode", "page_of"]
 
 _PIXELS_PER_BYTE: Final = {
     JPEG: 512,  # a block of 64 pixels takes a bit at least; past its end, a file would be read on as grey
@@ -79,13 +78,13 @@ def _no_limit() -> Iterator[None]:
 
 def encode(picture: Picture, form: Format, quality: int | None) -> bytes:
     """Encode a picture of eight bits; see `poisson_cli.images.codecs`."""
-    settings = settings_of(picture, form)
+    settings = _settings_of(picture, form)
     if quality is not None:
         settings["quality"] = quality
         if form is WEBP:
             settings |= {"lossless": False, "method": 4}
     if form is JPEG:
-        return encode_with_pillow(picture, form, settings)
+        return _encode_with_pillow(picture, form, settings)
 
     import imageio.v3 as iio
 
@@ -96,7 +95,7 @@ def encode(picture: Picture, form: Format, quality: int | None) -> bytes:
     return data
 
 
-def settings_of(picture: Picture, form: Format) -> dict[str, Any]:
+def _settings_of(picture: Picture, form: Format) -> dict[str, Any]:
     """Pillow's settings for a format, and for all that belongs to a picture."""
     metadata = picture.metadata
     settings: dict[str, Any] = dict(form.encoding)
@@ -111,7 +110,7 @@ def settings_of(picture: Picture, form: Format) -> dict[str, Any]:
     return settings
 
 
-def encode_with_pillow(picture: Picture, form: Format, settings: Mapping[str, Any]) -> bytes:
+def _encode_with_pillow(picture: Picture, form: Format, settings: Mapping[str, Any]) -> bytes:
     """Encode a picture of eight bits with the one plugin of Pillow that it needs."""
     file = pillow.NamedBuffer()
     file.name = f"picture{form.extensions[0]}"
