@@ -330,14 +330,15 @@ space: Final = click.option(
     type=click.Choice(["rgb", "linear", "lab"]),
     default="rgb",
     show_default=True,
-    help="Values to work on: as they are stored, linear light, or CIE-Lab.",
+    help="Values to work on: as they are stored, linear light, or CIE-Lab; the last two take what is stored to be "
+    "sRGB.",
 )
 
 rescale: Final = click.option(
     "--rescale",
     is_flag=True,
-    help="Where values would leave the range, weaken the gradients inside the selection until none does, rather than "
-    "clip.",
+    help="Fit the selection into the range of the picture, rather than clip it: colours there lose some saturation if "
+    "they must, and gradients are weakened until the brightness fits.",
 )
 
 screen: Final = click.option(

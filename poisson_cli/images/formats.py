@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -87,9 +86,6 @@ PNG: Final = Format(
     carries=("profile", "exif", "xmp", "dpi"),
     pillow="PNG",
     plugin="PngImagePlugin",
-    # Only repeated bytes are looked for: the filters leave little else to find in a photograph. That takes a quarter
-    # of the default level's time for files of the same size, within a few per cent.
-    encoding=MappingProxyType({"compress_level": 1, "compress_type": zlib.Z_RLE}),
 )
 JPEG: Final = Format(
     name="JPEG",

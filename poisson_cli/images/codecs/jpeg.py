@@ -8,12 +8,14 @@ not there by then were never in the file.
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Callable
 from io import BytesIO
 from typing import Final
 
 from PIL import Image
 
+from poisson_cli.images import exif
 from poisson_cli.images.codecs import pillow, raster
 from poisson_cli.images.codecs.jpeg_scans import scans_of
 from poisson_cli.images.decoded import Decoded
@@ -82,6 +84,21 @@ def _row(image: Image.Image, pending: int) -> bytes:
 def encode(picture: Picture, form: Format, quality: int | None) -> bytes:
     """Encode a JPEG; see `poisson_cli.images.codecs`."""
     settings = raster.settings_of(picture, form)
+    metadata = picture.metadata
+    if metadata.exif is not None:
+        settings["exif"] = exif.MARK + metadata.exif
+    if metadata.iptc is not None:
+        settings["extra"] = _photoshop(metadata.iptc)
     if quality is not None:
         settings["quality"] = quality
-    return raster.encode_with_pillow(picture, form, settings)
+    file = pillow.NamedBuffer()
+    file.name = f"picture{form.extensions[0]}"
+    Image.fromarray(picture.pixels).save(file, **settings)
+    return file.getvalue()
+
+
+def _photoshop(iptc: bytes) -> bytes:
+    """A segment with Photoshop's resources, IPTC's records the only one among them, without a name."""
+    resource = struct.pack(">4sHHI", b"8BIM", pillow.IPTC_RESOURCE, 0, len(iptc))
+    body = b"Photoshop 3.0\0" + resource + iptc + bytes(len(iptc) % 2)
+    return struct.pack(">HH", 0xFFED, len(body) + 2) + body

@@ -8,23 +8,20 @@ as the solve of a clone of usual size.
 from __future__ import annotations
 
 import struct
-from collections.abc import Mapping
 from typing import Any, Final, cast
 
 import numpy as np
 from PIL import Image, ImageFile
 
 from poisson_cli.errors import InputError
-from poisson_cli.images import exif
 from poisson_cli.images.codecs import pillow
 from poisson_cli.images.decoded import Decoded
 from poisson_cli.images.demands import asked
-from poisson_cli.images.formats import BMP, GIF, JPEG, WEBP, Format
+from poisson_cli.images.formats import BMP, GIF, WEBP, Format
 from poisson_cli.images.header import refuse_hollow
 from poisson_cli.images.picture import Picture
 
-__all__ = ["decode", "encode", "encode_with_pillow", "page_of", "settings_of"]
-
+__all__ = ["decode", "encode", "page_of", "settings_of"]
 
 _PIXELS_PER_BYTE: Final = {
     GIF: 2600,  # twelve bits stand for fewer than 4096 pixels
@@ -112,28 +109,9 @@ def settings_of(picture: Picture, form: Format) -> dict[str, Any]:
     if metadata.profile is not None:
         settings["icc_profile"] = metadata.profile
     if metadata.exif is not None:
-        settings["exif"] = exif.MARK + metadata.exif if form is JPEG else metadata.exif
+        settings["exif"] = metadata.exif
     if metadata.xmp is not None:
         settings["xmp"] = metadata.xmp
     if metadata.dpi is not None:
         settings["dpi"] = metadata.dpi
-    if metadata.iptc is not None:
-        settings["extra"] = _photoshop(metadata.iptc)
     return settings
-
-
-def _photoshop(iptc: bytes) -> bytes:
-    """A segment of a JPEG with Photoshop's resources, IPTC's records the only one among them, without a name."""
-    resource = (
-        struct.pack(">4sHHI", b"8BIM", pillow.IPTC_RESOURCE, 0, len(iptc)) + iptc + bytes(len(iptc) % 2)
-    )
-    body = b"Photoshop 3.0\0" + resource
-    return struct.pack(">HH", 0xFFED, len(body) + 2) + body
-
-
-def encode_with_pillow(picture: Picture, form: Format, settings: Mapping[str, Any]) -> bytes:
-    """Encode a picture of eight bits with the one plugin of Pillow that it needs."""
-    file = pillow.NamedBuffer()
-    file.name = f"picture{form.extensions[0]}"
-    Image.fromarray(pillow.interleaved(picture.pixels, picture.alpha)).save(file, **settings)
-    return file.getvalue()
