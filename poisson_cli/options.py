@@ -567,9 +567,9 @@ inputs: Final = _bundle(
 
 def _output(path: Path, **choices: Any) -> Output:
     from poisson_cli.settings import Output
-    from poisson_cli.streams import STANDARD
+    from poisson_cli.streams import is_standard_output
 
-    if str(path) == STANDARD and click.get_current_context().params.get("json"):
+    if is_standard_output(path) and click.get_current_context().params.get("json"):
         raise click.UsageError(
             "--json prints on the standard output, where the picture goes: name a file with -o."
         )
