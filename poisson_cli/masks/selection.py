@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +18,9 @@ from poisson_cli.masks.source import Drawn, read_mask
 from poisson_cli.settings import Area, Combine, Ellipse, Grow, MaskFile, Polygon, Rectangle, Selection
 
 __all__ = ["Selected", "select"]
+
+
+_INDEX: Final = re.compile(r":index=[0-9]+$")
 
 
 @dataclass(frozen=True)
@@ -129,6 +134,8 @@ def _of_empty_file(file: MaskFile, drawn: Drawn, threshold: int, canvas: Canvas)
     if 0 < drawn.strongest < threshold:
         return (
             f"the brightest pixel of a mask is {drawn.strongest}, below the threshold of {threshold} "
-            f"(lower it: --mask-threshold {drawn.strongest})"
+            f"(lower it: --mask-threshold {drawn.strongest}; or choose from a map of labels: :index={drawn.strongest})"
         )
+    if _INDEX.search(file.name):
+        return f"no pixel is {file.name}"
     return "no pixel of a mask is set (white selects; --invert-mask turns it round)"
