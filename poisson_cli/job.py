@@ -1,7 +1,7 @@
 """One edit from files to a file: read, select, edit, write.
 
-A `Job` is plain data, so whatever can build one can run one: a subcommand from its options today, a line of a manifest
-just as well. Nothing is printed here.
+A `Job` is plain data (`poisson_cli.settings`), so whatever can build one can run one: a subcommand from its options, a
+line of a manifest just as well. Nothing is printed here.
 """
 
 from __future__ import annotations
@@ -22,58 +22,12 @@ from poisson_cli import answering, editing, images, interrupts, steps
 from poisson_cli.errors import InputError
 from poisson_cli.images import Asking, Depth, Picture, Target
 from poisson_cli.masks import Canvas, leave_out_transparent, select
-from poisson_cli.settings import Edges, Inputs, Output, Placement, Selection, Solver, Then
+from poisson_cli.settings import Edges, Job
 
 __all__ = ["Job", "Progress", "Summary", "outputs", "run", "run_together"]
 
 Progress = Callable[[int, float], None]
 """Called as the solver goes, with the cycles or sweeps so far and the estimated error in levels."""
-
-
-@dataclass(frozen=True)
-class Job:
-    """What to do with which files.
-
-    Parameters
-    ----------
-    tool
-        Name of a function in `poisson_cli.editing`.
-    destination
-        The picture that is edited.
-    output
-        Where the result goes.
-    selection
-        Which pixels; None for a tool that edits the whole picture.
-    source
-        The picture whose gradients are cloned; None for a tool that needs none.
-    placement
-        Where the source lies; of no effect without one.
-    solver
-        How the equations are solved.
-    then
-        What is done to the gradients that are imported, for a tool that imports any; None for the others.
-    edges
-        Where the edges of the picture are, for a tool that flattens it; None for the others.
-    preview
-        Where to write the result three times three, side by side; None for nowhere.
-    inputs
-        How all the pictures are read.
-    parameters
-        Further keywords of the tool.
-    """
-
-    tool: str
-    destination: Path
-    output: Output
-    selection: Selection | None = None
-    source: Path | None = None
-    placement: Placement = Placement()
-    solver: Solver = Solver()
-    then: Then | None = None
-    edges: Edges | None = None
-    preview: Path | None = None
-    inputs: Inputs = Inputs()
-    parameters: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

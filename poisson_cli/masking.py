@@ -12,34 +12,9 @@ from poisson_cli import images, interrupts
 from poisson_cli.errors import OutputError
 from poisson_cli.images import Picture
 from poisson_cli.masks import Canvas, select, show
-from poisson_cli.settings import Inputs, Output, Selection
+from poisson_cli.settings import MaskJob
 
 __all__ = ["MaskJob", "MaskSummary", "run"]
-
-
-@dataclass(frozen=True)
-class MaskJob:
-    """What to select, and where to write it.
-
-    Parameters
-    ----------
-    image
-        The picture that it is drawn on.
-    selection
-        Which pixels.
-    output
-        Where to write it.
-    over
-        Show it on the picture, instead of writing a mask of 0 and 255.
-    inputs
-        How pictures are read.
-    """
-
-    image: Path
-    selection: Selection
-    output: Output
-    over: bool = False
-    inputs: Inputs = Inputs()
 
 
 @dataclass(frozen=True)

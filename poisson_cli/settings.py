@@ -6,9 +6,10 @@ ones. They hold no arrays, open no files and import nothing heavy. Axes are rows
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from poisson_cli import defaults
 
@@ -20,7 +21,9 @@ __all__ = [
     "Grow",
     "How",
     "Inputs",
+    "Job",
     "MaskFile",
+    "MaskJob",
     "Output",
     "Placement",
     "Polygon",
@@ -290,3 +293,74 @@ class Reporting:
     quiet: bool = False
     verbose: bool = False
     json: bool = False
+
+
+@dataclass(frozen=True)
+class Job:
+    """What to do with which files.
+
+    Parameters
+    ----------
+    tool
+        Name of a function in `poisson_cli.editing`.
+    destination
+        The picture that is edited.
+    output
+        Where the result goes.
+    selection
+        Which pixels; None for a tool that edits the whole picture.
+    source
+        The picture whose gradients are cloned; None for a tool that needs none.
+    placement
+        Where the source lies; of no effect without one.
+    solver
+        How the equations are solved.
+    then
+        What is done to the gradients that are imported, for a tool that imports any; None for the others.
+    edges
+        Where the edges of the picture are, for a tool that flattens it; None for the others.
+    preview
+        Where to write the result three times three, side by side; None for nowhere.
+    inputs
+        How all the pictures are read.
+    parameters
+        Further keywords of the tool.
+    """
+
+    tool: str
+    destination: Path
+    output: Output
+    selection: Selection | None = None
+    source: Path | None = None
+    placement: Placement = Placement()
+    solver: Solver = Solver()
+    then: Then | None = None
+    edges: Edges | None = None
+    preview: Path | None = None
+    inputs: Inputs = Inputs()
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class MaskJob:
+    """What to select, and where to write it.
+
+    Parameters
+    ----------
+    image
+        The picture that it is drawn on.
+    selection
+        Which pixels.
+    output
+        Where to write it.
+    over
+        Show it on the picture, instead of writing a mask of 0 and 255.
+    inputs
+        How pictures are read.
+    """
+
+    image: Path
+    selection: Selection
+    output: Output
+    over: bool = False
+    inputs: Inputs = Inputs()

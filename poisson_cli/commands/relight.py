@@ -51,7 +51,7 @@ def command(
       poisson relight portrait.jpg -m face.png --beta .3 -o out.png
     """
     from poisson_cli import attended
-    from poisson_cli.job import Job
+    from poisson_cli.settings import Job
 
     attended.run(
         [

@@ -67,7 +67,7 @@ def command(
       poisson tile colour.png normals.png height.png -o tiles
     """
     from poisson_cli import attended
-    from poisson_cli.job import Job
+    from poisson_cli.settings import Job
 
     if len(previews) > len(images):
         raise click.UsageError(f"{len(previews)} times --preview, but there are {len(images)} pictures.")

@@ -97,7 +97,7 @@ def command(
       poisson tonemap church.jpg -o out.png
     """
     from poisson_cli import attended
-    from poisson_cli.job import Job
+    from poisson_cli.settings import Job
 
     attended.run(
         [
