@@ -6,12 +6,10 @@ line of a manifest just as well. Nothing is printed here.
 
 from __future__ import annotations
 
-import dataclasses
 import functools
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -30,8 +28,7 @@ Progress = Callable[[int, float], None]
 """Called as the solver goes, with the cycles or sweeps so far and the estimated error in levels."""
 
 
-@dataclass(frozen=True)
-class Summary:
+class Summary(NamedTuple):
     """What was done.
 
     Parameters
@@ -61,7 +58,7 @@ class Summary:
     output: Path
     seconds: Mapping[str, float]
     profile_dropped: bool
-    beside: Mapping[str, Path] = field(default_factory=dict)
+    beside: Mapping[str, Path] = {}
     guarded: bool = False
     tinted: bool = False
     notices: tuple[str, ...] = ()
@@ -204,10 +201,10 @@ def _make(
     destination, source = inputs
     tool: Callable[..., editing.Edit] = getattr(editing, job.tool)
     arrays: list[NDArray[Any]] = [picture.pixels for picture in inputs if picture is not None]
-    keywords = {**dataclasses.asdict(job.solver), "progress": progress, **job.parameters}
+    keywords = {**job.solver._asdict(), "progress": progress, **job.parameters}
     n_selected: int | None = None
     if source is not None:
-        keywords |= dataclasses.asdict(job.placement)
+        keywords |= job.placement._asdict()
     if job.selection is not None:
         with _timed(seconds, "select"):
             selected = select(job.selection, _canvas(job, destination, source))
@@ -230,7 +227,7 @@ def _make(
         keywords |= sieve
     edit = answering.do(functools.partial(tool, *arrays, **keywords))
     seconds |= edit.report.seconds
-    result = dataclasses.replace(destination, pixels=edit.image, alpha=_alpha(job, destination))
+    result = destination._replace(pixels=edit.image, alpha=_alpha(job, destination))
     pictures = {"result": result}
     if edges is not None and sieve is not None and edges.show is not None:
         pictures["edges"] = Picture(str(edges.show), steps.drawn_edges(edges_of, **sieve))
@@ -258,8 +255,7 @@ def _alpha(job: Job, destination: Picture) -> NDArray[Any] | None:
 
 def _three_times_three(picture: Picture) -> Picture:
     """A picture side by side with itself, to see whether it tiles."""
-    return dataclasses.replace(
-        picture,
+    return picture._replace(
         pixels=np.tile(picture.pixels, (3, 3, 1)[: picture.pixels.ndim]),
         alpha=None if picture.alpha is None else np.tile(picture.alpha, (3, 3)),
     )

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import dataclasses
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,8 +16,7 @@ from poisson_cli.settings import MaskJob
 __all__ = ["MaskJob", "MaskSummary", "run"]
 
 
-@dataclass(frozen=True)
-class MaskSummary:
+class MaskSummary(NamedTuple):
     """What was selected.
 
     Parameters
@@ -73,7 +71,7 @@ def run(job: MaskJob, before_commit: images.Committing = interrupts.finishing.se
     if over:
         metadata = picture.metadata
         if picture.pixels.ndim == 2:  # grey becomes RGB, which a profile for one channel says nothing about
-            metadata = dataclasses.replace(metadata, profile=None)
+            metadata = metadata._replace(profile=None)
         shown = Picture(picture.name, show(picture.in_8_bits().pixels, mask), metadata=metadata)
     else:
         shown = Picture(picture.name, np.where(mask, np.uint8(255), np.uint8(0)))

@@ -2,12 +2,14 @@
 
 The command line builds them in `options`; anything else that describes an edit (a manifest, a test) builds the same
 ones. They hold no arrays, open no files and import nothing heavy. Axes are rows and columns here; X,Y ends in `params`.
+
+They are named tuples, here and wherever else a command needs plain values to start: `dataclasses` writes and compiles
+six functions for each frozen class, which takes five times as long, and there are dozens of them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -45,15 +47,13 @@ class Rectangle(NamedTuple):
     width: int
 
 
-@dataclass(frozen=True, slots=True)
-class Ellipse:
+class Ellipse(NamedTuple):
     """The ellipse that touches the four sides of a rectangle."""
 
     box: Rectangle
 
 
-@dataclass(frozen=True, slots=True)
-class Polygon:
+class Polygon(NamedTuple):
     """What a closed line encloses.
 
     Parameters
@@ -70,8 +70,7 @@ class Polygon:
     rule: Literal["even-odd", "nonzero"] = "even-odd"
 
 
-@dataclass(frozen=True, slots=True)
-class MaskFile:
+class MaskFile(NamedTuple):
     """A file that says which pixels.
 
     Parameters
@@ -91,16 +90,14 @@ How = Literal["add", "subtract", "intersect"]
 """What an area does to what is selected so far: join it, be taken away from it, or keep only what lies in both."""
 
 
-@dataclass(frozen=True, slots=True)
-class Combine:
+class Combine(NamedTuple):
     """A step of a selection: what an area does to what is selected so far."""
 
     area: Area
     how: How = "add"
 
 
-@dataclass(frozen=True, slots=True)
-class Grow:
+class Grow(NamedTuple):
     """A step of a selection: move the border of what is selected so far.
 
     Parameters
@@ -113,8 +110,7 @@ class Grow:
     pixels: int
 
 
-@dataclass(frozen=True, slots=True)
-class Placement:
+class Placement(NamedTuple):
     """Where the source lies on the destination, and which of the two the selection was drawn on.
 
     Parameters
@@ -129,8 +125,7 @@ class Placement:
     mask_on: Literal["source", "destination"] = "source"
 
 
-@dataclass(frozen=True, slots=True)
-class Selection:
+class Selection(NamedTuple):
     """Which pixels to edit: steps, done in order beginning with nothing selected, and inverted last if asked.
 
     Parameters
@@ -159,8 +154,7 @@ class Selection:
     threshold: int = defaults.THRESHOLD
 
 
-@dataclass(frozen=True, slots=True)
-class Solver:
+class Solver(NamedTuple):
     """How the equations are solved; the fields are the keywords of the functions in `poisson_cli.editing`.
 
     Parameters
@@ -187,8 +181,7 @@ class Solver:
     certify: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Edges:
+class Edges(NamedTuple):
     """Where edges are, for a flattening.
 
     Parameters
@@ -208,16 +201,14 @@ class Edges:
     show: Path | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Relight:
+class Relight(NamedTuple):
     """How strongly gradients are evened out, eq. (16); the fields are those of `poisson_cli.editing.Attenuate`."""
 
     alpha: float = defaults.ALPHA
     beta: float = defaults.BETA
 
 
-@dataclass(frozen=True, slots=True)
-class Then:
+class Then(NamedTuple):
     """What else is done to the gradients that a clone imports, in this order; None is nothing.
 
     Parameters
@@ -235,8 +226,7 @@ class Then:
     relight: Relight | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Inputs:
+class Inputs(NamedTuple):
     """How pictures are read, all of them alike.
 
     Parameters
@@ -251,8 +241,7 @@ class Inputs:
     max_pixels: int = defaults.MAX_PIXELS
 
 
-@dataclass(frozen=True, slots=True)
-class Output:
+class Output(NamedTuple):
     """Where the result goes, and as what.
 
     Parameters
@@ -276,8 +265,7 @@ class Output:
     quality: int | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Reporting:
+class Reporting(NamedTuple):
     """How much a run says about itself.
 
     Parameters
@@ -295,8 +283,7 @@ class Reporting:
     json: bool = False
 
 
-@dataclass(frozen=True)
-class Job:
+class Job(NamedTuple):
     """What to do with which files.
 
     Parameters
@@ -338,11 +325,10 @@ class Job:
     edges: Edges | None = None
     preview: Path | None = None
     inputs: Inputs = Inputs()
-    parameters: Mapping[str, Any] = field(default_factory=dict)
+    parameters: Mapping[str, Any] = {}
 
 
-@dataclass(frozen=True)
-class MaskJob:
+class MaskJob(NamedTuple):
     """What to select, and where to write it.
 
     Parameters

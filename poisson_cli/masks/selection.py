@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +18,7 @@ from poisson_cli.settings import Area, Combine, Ellipse, Grow, MaskFile, Polygon
 __all__ = ["Selected", "select"]
 
 
-@dataclass(frozen=True)
-class Selected:
+class Selected(NamedTuple):
     """A selection that was drawn.
 
     Parameters

@@ -1,6 +1,5 @@
 """Section 4: a picture edited in place."""
 
-from dataclasses import replace
 from typing import Any, Unpack
 
 import numpy as np
@@ -56,7 +55,7 @@ def flatten(
     edit = _in_place("flatten", scene, Sieve(edges), rescale=rescale, space=space, **options)
     placement = scene.placement
     share = placement.on_destination(edges)[placement.region].mean()
-    return Edit(edit.image, replace(edit.report, edge_share=float(share)))
+    return Edit(edit.image, edit.report._replace(edge_share=float(share)))
 
 
 def relight(

@@ -1,7 +1,6 @@
 """Concealment (Fig. 2): a picture mended with a piece of itself."""
 
 import operator
-from dataclasses import replace
 from typing import Any, Unpack
 
 from numpy.typing import NDArray
@@ -69,7 +68,7 @@ def heal(
         rescale=rescale,
         **options,
     )
-    return Edit(edit.image, replace(edit.report, offset=(row, col)))
+    return Edit(edit.image, edit.report._replace(offset=(row, col)))
 
 
 def _checked(
