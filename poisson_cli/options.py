@@ -336,8 +336,8 @@ space: Final = click.option(
 rescale: Final = click.option(
     "--rescale",
     is_flag=True,
-    help="Where values would leave the range, weaken the gradients inside the selection until none does, rather than "
-    "clip.",
+    help="Fit the selection into the range of the picture, rather than clip it: colours there lose some saturation if "
+    "they must, and gradients are weakened until the brightness fits.",
 )
 
 screen: Final = click.option(

@@ -57,6 +57,14 @@ def die(task: Task, attempts: int, *, on: int = 2, code: int = 7) -> Result:
     return Result.of(task, "done", attempts=attempts)
 
 
+def deaf_on_third(task: Task, attempts: int) -> Result:
+    """Take for ever, and do not end when asked to."""
+    if task.number == 3:
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        time.sleep(1000)
+    return Result.of(task, "done", attempts=attempts)
+
+
 def fail(task: Task, attempts: int) -> Result:
     return Result.of(task, "failed" if task.number == 2 else "done")
 
@@ -144,6 +152,16 @@ def test_two_deaths_are_a_failure(tmp_path, code, exit_code, text):
 def test_after_a_failure_no_more_begin_if_so_chosen(tmp_path):
     assert [result.job for result in run(fail, tmp_path, keep_going=False, workers=1)] == [1, 2]
     assert len(run(fail, tmp_path, workers=1)) == 6
+
+
+def test_what_takes_too_long_fails_alone(tmp_path, monkeypatch):
+    monkeypatch.setattr(pool, "_PATIENCE", 0.2)
+    results = {result.job: result for result in run(deaf_on_third, tmp_path, timeout=0.5)}
+    late = results.pop(3)
+    assert (late.status, late.exit_code, late.attempts, late.seconds) == ("failed", 143, 1, 0.5)
+    assert late.error.startswith("took longer than 0.5 s and was ended")
+    assert {result.status for result in results.values()} == {"done"}
+    assert len(results) == 5
 
 
 def test_workers_that_cannot_begin_are_an_error_and_no_endless_loop(tmp_path):

@@ -27,6 +27,13 @@ def test_thresholds_are_levels_per_pixel(dtype):
     assert 25 <= columns.min() <= columns.max() <= 34
 
 
+def test_a_single_channel_may_have_an_axis_of_its_own():
+    picture = crop("coins.png", 90, 101)
+    edges = find_edges(picture)
+    assert edges.any()
+    np.testing.assert_array_equal(find_edges(picture[:, :, np.newaxis]), edges)
+
+
 def test_colours_of_one_luminance_have_edges():
     picture = np.zeros((30, 30, 3), np.uint8)
     picture[:, :15, 0], picture[:, 15:, 1] = 200, 60

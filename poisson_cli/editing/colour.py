@@ -78,6 +78,25 @@ def luminance(values: Values) -> Values:
     return weighted
 
 
+def drawn_into(values: Values, low: float, high: float) -> Values:
+    """Colours (..., 3) that leave a range drawn towards the grey of their luminance, just as far as they must.
+
+    So they lose saturation, and neither hue nor luminance.  What is in range stays as it is, to the last bit.  Where
+    the luminance itself leaves the range nothing helps, and its grey is what remains.
+    """
+    leaving = ((values < low) | (values > high)).any(-1)
+    if values.shape[-1] != 3 or not leaving.any():
+        return values
+    colours = values[leaving]
+    grey = luminance(colours)
+    beyond: Values = colours - grey
+    room: Values = np.maximum(np.where(beyond > 0, high - grey, grey - low), 0)
+    share = np.min(room / np.maximum(np.abs(beyond), room + (room == 0)), axis=-1, keepdims=True)
+    drawn = values.copy()
+    drawn[leaving] = np.where((grey < low) | (grey > high), grey, np.clip(grey + share * beyond, low, high))
+    return drawn
+
+
 def _mixed(matrix: NDArray[np.float64], values: Values) -> list[Any]:
     """The matrix times the last axis, as a list of its parts."""
     parts = [values[..., i] for i in range(3)]

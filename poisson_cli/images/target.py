@@ -18,7 +18,7 @@ from poisson_cli.images.formats import WRITTEN, Format, by_extension, listed
 from poisson_cli.images.picture import Picture
 from poisson_cli.streams import STANDARD, missing
 
-__all__ = ["Target", "prepare"]
+__all__ = ["Target", "format_for", "prepare"]
 
 
 class Target(NamedTuple):
@@ -107,14 +107,7 @@ def prepare(
         If nothing tells the format, the folder is missing or not writable, the file is there and may not be
         replaced, or what is there can be neither replaced nor written into.
     """
-    known = by_extension(path if form is None else Path(f"picture.{form}"))
-    if known is None:
-        raise OutputError(f"{path}: {_no_format(path)}")
-    if known.absent is not None:
-        raise OutputError(f"{path}: {known.absent}")
-    if quality is not None and not known.quality:
-        able = listed(tuple(known for known in WRITTEN if known.quality))
-        raise OutputError(f"{path}: {known.name} has no quality to choose; leave --quality to {able}")
+    known = format_for(path, form=form, quality=quality)
     if str(path) == STANDARD:
         if missing(sys.stdout):
             raise OutputError("standard output: it is closed; name a file with -o")
@@ -131,6 +124,30 @@ def prepare(
     except OSError as error:  # a name too long, a loop of links
         raise OutputError(f"{path}: cannot be written ({error.strerror})") from error
     return Target(path, path if stream else real, known, overwrite, stream, quality)
+
+
+def format_for(path: Path, *, form: str | None = None, quality: int | None = None) -> Format:
+    """What a picture would be written as, which is known before there is any.
+
+    Parameters
+    ----------
+    path, form, quality
+        As in `prepare`.
+
+    Raises
+    ------
+    OutputError
+        If nothing tells the format, it cannot be written here, or it has no quality to choose.
+    """
+    known = by_extension(path if form is None else Path(f"picture.{form}"))
+    if known is None:
+        raise OutputError(f"{path}: {_no_format(path)}")
+    if known.absent is not None:
+        raise OutputError(f"{path}: {known.absent}")
+    if quality is not None and not known.quality:
+        able = listed(tuple(known for known in WRITTEN if known.quality))
+        raise OutputError(f"{path}: {known.name} has no quality to choose; leave --quality to {able}")
+    return known
 
 
 def _no_format(path: Path) -> str:

@@ -62,8 +62,9 @@ def clone(
         Boundary pixels whose mismatch f* - g is an outlier count less, so that an object which the selection touches
         does not bleed into it.
     rescale : bool
-        If the result would leave the range of the picture, multiply the guidance by the largest number below 1 with
-        which it does not; nothing is clipped then.
+        Fit the result into the range of the picture, so that nothing is clipped: colours that would leave it lose just
+        enough saturation, at equal luminance, and where the luminance would, the guidance is multiplied by the largest
+        number below 1 with which it does not.
     space : {"rgb", "linear", "lab"}
         Solve in the values as stored (the paper's choice), in linear light (sRGB decoded), or in CIE-Lab (D65).
     **options

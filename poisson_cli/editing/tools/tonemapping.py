@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from poisson_cli.editing import tone
+from poisson_cli.editing.numbers import LARGEST_FACTOR, check_number
 from poisson_cli.editing.pyramid import attenuation_map
 from poisson_cli.editing.report import Edit, report_on
 from poisson_cli.editing.solving import SolverOptions, solve
@@ -14,6 +15,9 @@ from poisson_cli.editing.spaces import Space, SpaceName, named
 from poisson_cli.errors import InputError
 from solvers import Guidance, PoissonProblem
 from solvers.canvas import Values
+
+# Of a power of colours' ratios, which are up to 14: far above what can be looked at, and no number overflows.
+LARGEST_SATURATION = 10.0
 
 
 def tonemap(
@@ -54,30 +58,30 @@ def tonemap(
     image : (H, W) or (H, W, C) array
         C is 1 or 3.
     alpha : float
-        Positive: what part of the mean norm of a gradient is left as it is.
+        Positive, at most 1000: what part of the mean norm of a gradient is left as it is.
     beta : float
         From 0 to 1; how strongly.  0 leaves all gradients as they are, .2 looks unreal.  Fattal et al. write 1 - beta.
     saturation : float
-        Not negative; 1 keeps the ratios of colours, which look too strong where much range was taken away: above .6
+        From 0 to 10; 1 keeps the ratios of colours, which look too strong where much range was taken away: above .6
         what is red or blue begins to glow.
     black, white : float
         From 0 to 100, the first the smaller one.
     floor : float
-        Above 0.  .01 suits photographs; less for floats of a large range.
+        Above 0, at most 1000.  .01 suits photographs; less for floats of a large range.
     gamma : float
         Positive; 2.2 for pictures that store linear light and are to be looked at.
     space, **options
         See `clone`.
     """
-    _check(
-        alpha=alpha,
-        beta=beta,
-        saturation=saturation,
-        black=black,
-        white=white,
-        floor=floor,
-        gamma=gamma,
-    )
+    check_number("alpha", alpha, 0, LARGEST_FACTOR, above_low=True)
+    check_number("beta", beta, 0, 1)
+    check_number("saturation", saturation, 0, LARGEST_SATURATION)
+    check_number("black", black, 0, 100)
+    check_number("white", white, 0, 100, above_low=True)
+    check_number("floor", floor, 0, LARGEST_FACTOR, above_low=True)
+    check_number("gamma", gamma, 0, above_low=True)
+    if black >= white:
+        raise InputError(f"black is {black} and white {white}, but black must be less")
     start = perf_counter()
     image = tone.check_picture("image", image)
     tone.check_values("image", image)
@@ -122,29 +126,6 @@ def tonemap(
         seconds=seconds,
     )
     return Edit(tone.to_storage(values, image.dtype).reshape(image.shape), report)
-
-
-def _check(**parameters: float) -> None:
-    """InputError if a parameter makes no sense."""
-    bounds = {
-        "alpha": (0.0, np.inf, False),
-        "beta": (0.0, 1.0, True),
-        "saturation": (0.0, np.inf, True),
-        "black": (0.0, 100.0, True),
-        "white": (0.0, 100.0, False),
-        "floor": (0.0, np.inf, False),
-        "gamma": (0.0, np.inf, False),
-    }
-    for name, value in parameters.items():
-        low, high, included = bounds[name]
-        if not (np.isfinite(value) and (low < value or (included and value == low)) and value <= high):
-            lower = "from 0" if included else "above 0"
-            upper = f" to {high:g}" if np.isfinite(high) else ""
-            raise InputError(f"{name} is {value}, but must be a number {lower}{upper}")
-    if parameters["black"] >= parameters["white"]:
-        raise InputError(
-            f"black is {parameters['black']} and white {parameters['white']}, but black must be less"
-        )
 
 
 def _problem(logs: Values, factors: Values, space: Space) -> PoissonProblem:
