@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from poisson_cli import answering, editing, images, interrupts, steps
 from poisson_cli.errors import InputError
 from poisson_cli.images import Asking, Depth, Picture, Target
+from poisson_cli.images.depth import DTYPES
 from poisson_cli.masks import Canvas, leave_out_transparent, select
 from poisson_cli.settings import Edges, Job
 
@@ -26,6 +27,10 @@ __all__ = ["Job", "Progress", "Summary", "outputs", "run", "run_together"]
 
 Progress = Callable[[int, float], None]
 """Called as the solver goes, with the cycles or sweeps so far and the estimated error in levels."""
+
+_OF_ANY_RANGE: Final = frozenset({"tonemap"})
+"""Tools that bring any range into 0 to 1: if a smaller depth is asked for, what they make is converted, and not what
+they are given, which would be cut off first."""
 
 
 class Summary(NamedTuple):
@@ -187,10 +192,11 @@ def _read(job: Job, targets: Mapping[str, Target], seconds: dict[str, float], as
     """Read the pictures."""
     with _timed(seconds, "read"):
         destination = images.read(job.destination)
-        if job.output.bit_depth is not None:
-            destination = _in_depth(destination, job.output.bit_depth, "as asked for", asking)
+        wanted = job.output.bit_depth
+        if wanted is not None and (job.tool not in _OF_ANY_RANGE or _is_finer(wanted, destination.depth)):
+            destination = _in_depth(destination, wanted, "as asked for", asking)
         for what in targets.keys() & {"result", "preview"}:
-            targets[what].check_fits(destination)
+            targets[what].check_fits(_stand_in(destination, wanted))
         return _Inputs(destination, None if job.source is None else _read_source(job, destination, asking))
 
 
@@ -228,6 +234,8 @@ def _make(
     edit = answering.do(functools.partial(tool, *arrays, **keywords))
     seconds |= edit.report.seconds
     result = destination._replace(pixels=edit.image, alpha=_alpha(job, destination))
+    if job.output.bit_depth is not None:
+        result = _in_depth(result, job.output.bit_depth, "as asked for", asking)
     pictures = {"result": result}
     if edges is not None and sieve is not None and edges.show is not None:
         pictures["edges"] = Picture(str(edges.show), steps.drawn_edges(edges_of, **sieve))
@@ -321,6 +329,21 @@ def _in_depth(picture: Picture, depth: Depth, why: str, asking: Asking) -> Pictu
         notice += f"; {lost.undefined:,} values that are no numbers become 0"
     asking.notices.append(notice)
     return converted
+
+
+def _is_finer(depth: Depth, other: Depth) -> bool:
+    """Whether one depth holds all values of another, and more."""
+    order: tuple[Depth, ...] = ("8", "16", "float")
+    return order.index(depth) > order.index(other)
+
+
+def _stand_in(picture: Picture, depth: Depth | None) -> Picture:
+    """A picture of that size and depth that holds no values: for what must be known before there is one."""
+    if depth is None:
+        return picture
+    nothing = DTYPES[depth].type(0)
+    alpha = None if picture.alpha is None else np.broadcast_to(nothing, picture.alpha.shape)
+    return dataclasses.replace(picture, pixels=np.broadcast_to(nothing, picture.pixels.shape), alpha=alpha)
 
 
 def _canvas(job: Job, destination: Picture, source: Picture | None) -> Canvas:

@@ -330,7 +330,8 @@ space: Final = click.option(
     type=click.Choice(["rgb", "linear", "lab"]),
     default="rgb",
     show_default=True,
-    help="Values to work on: as they are stored, linear light, or CIE-Lab.",
+    help="Values to work on: as they are stored, linear light, or CIE-Lab; the last two take what is stored to be "
+    "sRGB.",
 )
 
 rescale: Final = click.option(

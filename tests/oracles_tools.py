@@ -320,8 +320,8 @@ def tonemap(
     Luminance and colours have `floor` times the percentile `white` of the luminance added to them.  The new luminance
     is stretched: its percentile `white` becomes white, its percentile `black` is as far from that as it was; what is
     beyond is cut off, and the rest raised to 1 / gamma.  A colour is the new luminance times (old / old
-    luminance)^saturation, in Lab its chroma times saturation and the ratio of lightness, all of them with `floor` times
-    white added.
+    luminance)^(saturation / gamma), in Lab its chroma times saturation and the ratio of lightness, all of them with
+    `floor` times white added.
     """
     full = oracles.full_scale(image.dtype)
     values = oracles.working(image, full, space)
@@ -346,7 +346,7 @@ def tonemap(
         edited = np.stack([new, *chroma], axis=-1)
     elif coloured:
         ratio = (values + floor * lightest) / old[..., None]
-        edited = (new[..., None] + haze) * np.sign(ratio) * np.abs(ratio) ** saturation - haze
+        edited = (new[..., None] + haze) * np.sign(ratio) * np.abs(ratio) ** (saturation / gamma) - haze
     else:
         edited = new.reshape(image.shape)
     return np.clip(oracles.restored(edited, full, space), 0, full)

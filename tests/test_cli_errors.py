@@ -279,7 +279,7 @@ INPUT = {
     "patch outside": ([*HEAL, "--from", "40,0"], "a patch 9x8 at 60,14 leaves the picture"),
     "nowhere to search": (
         "heal destination.png --rect 4,4,40,32 -o out.png".split(),
-        "offset",
+        "no room for a patch",
     ),
     "tile outside": ([*TILE, "--rect", "30,0,30,30"], "rect"),
     "tile too thin": ([*TILE, "--rect", "0,0,2,30"], "3"),

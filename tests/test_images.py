@@ -430,6 +430,32 @@ def names(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
+@pytest.fixture(params=["nameless", "named"])
+def temporary(request, monkeypatch):
+    """The two ways to write a file that is not there before all of it is: not every system has the first."""
+    if request.param == "named":
+        monkeypatch.delattr(os, "O_TMPFILE")
+    return request.param
+
+
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_there_is_nothing_to_be_seen_before_all_is_on_the_disk(tmp_path, monkeypatch, temporary, overwrite):
+    """So that SIGKILL, which nothing can tidy up after, leaves nothing either."""
+    seen = []
+    sync = os.fsync
+
+    def look_and_sync(descriptor: int) -> None:
+        if stat.S_ISREG(os.fstat(descriptor).st_mode):
+            seen.append([path.read_bytes() for path in tmp_path.iterdir()])
+        sync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", look_and_sync)
+    writing.save(b"new", tmp_path / "a", overwrite=overwrite)
+    assert seen == [[] if temporary == "nameless" else [b"new"]]
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {"a": b"new"}
+
+
+@pytest.mark.usefixtures("temporary")
 @pytest.mark.parametrize("umask", [0o022, 0o077, 0o002])
 def test_a_new_file_has_the_mode_that_the_umask_leaves(tmp_path, umask):
     usual = os.umask(umask)
@@ -440,6 +466,7 @@ def test_a_new_file_has_the_mode_that_the_umask_leaves(tmp_path, umask):
     assert stat.S_IMODE((tmp_path / "a").stat().st_mode) == 0o666 & ~umask
 
 
+@pytest.mark.usefixtures("temporary")
 def test_a_replaced_file_keeps_its_mode(tmp_path):
     path = tmp_path / "a"
     path.write_bytes(b"old")
@@ -461,6 +488,7 @@ def test_a_link_is_followed_and_stays_a_link(tmp_path):
     assert names(tmp_path / "folder") == ["real.png"]
 
 
+@pytest.mark.usefixtures("temporary")
 @pytest.mark.parametrize(
     ("module", "step", "overwrite"),
     [
@@ -523,11 +551,12 @@ def test_a_file_system_without_hard_links(tmp_path, monkeypatch):
     assert names(tmp_path) == ["a"]
 
 
+@pytest.mark.usefixtures("temporary")
 def test_a_file_is_never_replaced_without_leave(tmp_path):
     (tmp_path / "a").write_bytes(b"old")
     with pytest.raises(FileExistsError):
         writing.save(b"new", tmp_path / "a", overwrite=False)
-    assert (tmp_path / "a").read_bytes() == b"old"
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {"a": b"old"}
     assert names(tmp_path) == ["a"]
 
 

@@ -165,6 +165,7 @@ DARK = crop("rocket.jpg", 131, 170, top=200, left=240)
         {"alpha": 0.3, "beta": 0.3},
         {"saturation": 1.2, "white": 90.0},
         {"gamma": 2.2, "saturation": 0.0, "white": 100.0},
+        {"gamma": 1.8, "floor": 0.001, "black": 2.0},
     ],
     ids=str,
 )

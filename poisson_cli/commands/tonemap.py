@@ -90,11 +90,14 @@ def command(
 ) -> None:
     """Lighten the shadows of IMAGE and hold back its lights, keeping the detail in both.
 
-    For dark or contrasty pictures; the whole picture changes.
+    For dark or contrasty pictures, and for files of a larger range than a screen's, which store linear light; the whole
+    picture changes.
 
     \b
     Example:
       poisson tonemap church.jpg -o out.png
+    The same from a Radiance HDR or OpenEXR file:
+      poisson tonemap church.hdr --floor .001 --gamma 2.2 --bit-depth 8 -o out.png
     """
     from poisson_cli import attended
     from poisson_cli.settings import Job

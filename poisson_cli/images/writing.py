@@ -1,7 +1,8 @@
 """Writing a picture file: whole, or not at all.
 
-The picture is encoded in memory, written to a temporary file beside the target and forced to the disk; only then does
-it take the target's name. A full disk, an encoder's exception or a signal leave the old file as it was, or no file.
+The picture is encoded in memory, written to a file that has no name yet, or a temporary one where every file must have
+one, and forced to the disk; only then does it take the target's name. A full disk, an encoder's exception or a signal
+leave the old file as it was, or no file.
 """
 
 from __future__ import annotations
@@ -154,21 +155,65 @@ def save(data: bytes, path: Path, *, overwrite: bool, before_commit: Committing 
     # The name is settled before the file exists, so that no signal can come between the file and its removal.
     temporary = path.with_name(f".poisson-{os.getpid()}-{os.urandom(8).hex()}.tmp")
     try:
-        with open(temporary, "xb") as file:
-            if overwrite and path.exists():
-                os.chmod(temporary, stat.S_IMODE(path.stat().st_mode))
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        if before_commit is not None:
-            before_commit()
+        mode = stat.S_IMODE(path.stat().st_mode) if overwrite and path.exists() else None
+        wanted = temporary if overwrite else path
+        if not _write_nameless(data, wanted, mode, before_commit):
+            with open(temporary, "xb") as file:
+                _write_through(data, file, mode)
+            if before_commit is not None:
+                before_commit()
+            if not overwrite:
+                _name_if_free(temporary, path)
         if overwrite:
             os.replace(temporary, path)
-        else:
-            _name_if_free(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)
     _sync_folder(path.parent)
+
+
+def _write_nameless(data: bytes, path: Path, mode: int | None, before_commit: Committing) -> bool:
+    """Write a file that has no name before all of it is on the disk, so that not even SIGKILL leaves a part of it.
+
+    Returns
+    -------
+    bool
+        False where that cannot be done: it is for Linux, and some of its file systems.
+
+    Raises
+    ------
+    FileExistsError
+        If the name is taken.
+    """
+    if not hasattr(os, "O_TMPFILE"):
+        return False
+    with contextlib.ExitStack() as stack:
+        try:
+            folder = os.open(path.parent, os.O_RDONLY)
+            stack.callback(os.close, folder)
+            descriptor = os.open(path.parent, os.O_TMPFILE | os.O_WRONLY, 0o666)
+        except OSError:
+            return False
+        file = stack.enter_context(open(descriptor, "wb"))
+        _write_through(data, file, mode)
+        if before_commit is not None:
+            before_commit()
+        try:
+            # With a folder's descriptor it is linkat(2), which alone follows the link to the file.
+            os.link(f"/proc/self/fd/{descriptor}", path.name, dst_dir_fd=folder)
+        except FileExistsError:
+            raise
+        except OSError:
+            return False
+    return True
+
+
+def _write_through(data: bytes, file: BinaryIO, mode: int | None) -> None:
+    """Write a whole file to the disk itself; None is the mode that the umask leaves."""
+    if mode is not None:
+        os.chmod(file.fileno(), mode)
+    file.write(data)
+    file.flush()
+    os.fsync(file.fileno())
 
 
 def _name_if_free(temporary: Path, path: Path) -> None:

@@ -47,12 +47,13 @@ _FOCUS = Scene(
 
 _DRAWN = Scene(
     name="mix-drawn",
-    title="Painted with a broad brush",
+    title="Painted on the wall",
     figure="Section 5",
     caption=(
         "Cloning and editing in one go, as the paper's conclusion proposes: what is brought over are the gradients at "
-        "the edges of the photograph only (--flatten), and those twice as strong (--focus 2). So the cat is "
-        "painted rather than pasted, in flat patches, and the joints of the wall run through her."
+        "the edges of the photograph only (--flatten), and those half as strong again (--focus 1.5). So the cat is "
+        "painted rather than pasted, in flat patches, and the joints of the wall run through her. A little of --screen "
+        "gives her the darks of her own picture back."
     ),
     pictures={
         "cat.png": Photograph("chelsea.png", size=(540, 360)),
@@ -77,7 +78,7 @@ _DRAWN = Scene(
     commands=(
         Command("mix cat.png wall.png -m face.png --at 0,80 -o mix.png --overwrite"),
         Command(
-            "mix cat.png wall.png -m face.png --at 0,80 --flatten --low 4 --high 8 --focus 2 "
+            "mix cat.png wall.png -m face.png --at 0,80 --flatten --focus 1.5 --screen .0005 "
             "-o result.png --overwrite"
         ),
     ),
@@ -87,33 +88,35 @@ _DRAWN = Scene(
         Panel("Plain copy", "a sticker", "plain-paste.png", crop=(0, 60, 512, 460)),
         Panel("Alpha blend", "a worn sticker", "alpha-blend.png", crop=(0, 60, 512, 460)),
         Panel("Mixed", "poisson mix: a projection", "mix.png", crop=(0, 60, 512, 460)),
-        Panel("After", "poisson mix --flatten --focus 2: a painting", RESULT, crop=(0, 60, 512, 460)),
+        Panel("After", "--flatten --focus 1.5 --screen .0005: a painting", RESULT, crop=(0, 60, 512, 460)),
     ),
     columns=3,
 )  # fmt: skip
 
 
+_CLOSER: Final = (90, 120, 390, 322)
+
 _TONEMAP = Scene(
-    name="tonemap-collar",
-    title="Detail in the dark",
+    name="tonemap-garage",
+    title="Light in the garage",
     figure="Section 1",
     caption=(
         "The relative that the paper starts from (Fattal, Lischinski and Werman 2002): over the whole picture, large "
-        "gradients of the logarithm are made smaller and small ones larger, scale by scale. The ribs of the black "
-        "collar and the inside of the ring appear, and the contrast of all the rest stays. A gamma curve strong enough "
-        "to show them bleaches the face."
+        "gradients of the logarithm are made smaller and small ones larger, scale by scale. Seat, tyre and lettering "
+        "come out of the black, and the wall behind out of the shadow, while bright places keep their detail. A gamma "
+        "curve that brightens the darks as much bleaches the rest."
     ),
-    pictures={"astronaut.png": Photograph("astronaut.png")},
+    pictures={"garage.png": Photograph("motorcycle_left.png")},
     selections={},
     naive={"plain-gamma.png": Pasted(change=Brightened(0.5))},
-    commands=(Command("tonemap astronaut.png --saturation .6 -o result.png --overwrite"),),
+    commands=(Command("tonemap garage.png -o result.png --overwrite"),),
     panels=(
-        Panel("Before", "a black collar", "astronaut.png"),
+        Panel("Before", "a flash in the dark", "garage.png"),
         Panel("Gamma curve", "0.5: brighter and paler", "plain-gamma.png"),
-        Panel("After", "poisson tonemap --saturation .6", RESULT),
-        Panel("Before, closer", "black", "astronaut.png", crop=(110, 110, 320, 320)),
-        Panel("Gamma curve, closer", "grey", "plain-gamma.png", crop=(110, 110, 320, 320)),
-        Panel("After, closer", "ribs, ring and lining", RESULT, crop=(110, 110, 320, 320)),
+        Panel("After", "poisson tonemap", RESULT),
+        Panel("Before, closer", "black", "garage.png", crop=_CLOSER),
+        Panel("Gamma curve, closer", "grey", "plain-gamma.png", crop=_CLOSER),
+        Panel("After, closer", "leather, tread and lettering", RESULT, crop=_CLOSER),
     ),
     columns=3,
 )  # fmt: skip

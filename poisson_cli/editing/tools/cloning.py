@@ -66,7 +66,8 @@ def clone(
         enough saturation, at equal luminance, and where the luminance would, the guidance is multiplied by the largest
         number below 1 with which it does not.
     space : {"rgb", "linear", "lab"}
-        Solve in the values as stored (the paper's choice), in linear light (sRGB decoded), or in CIE-Lab (D65).
+        Solve in the values as stored (the paper's choice), in linear light (sRGB decoded), or in CIE-Lab (D65).  Floats
+        that are linear light already are for "rgb".
     **options
         See `SolverOptions`.
 

@@ -16,8 +16,9 @@ from poisson_cli.errors import InputError
 from solvers import Guidance, PoissonProblem
 from solvers.canvas import Values
 
-# Of a power of colours' ratios, which are up to 14: far above what can be looked at, and no number overflows.
+# Far beyond what can be looked at; the ratios of colours, which are up to 14, may be raised to one over the other.
 LARGEST_SATURATION = 10.0
+GAMMAS = 0.5, 10.0
 
 
 def tonemap(
@@ -49,8 +50,8 @@ def tonemap(
     All gradients shrink, so that the new luminance exp(f) is stretched: its percentile `white` becomes full scale, and
     its percentile `black` that share of it which Y's was of Y's own percentile `white`: blacks stay as black as they
     were.  What leaves the range is cut off, and the rest raised to 1 / gamma.  With e' = `floor` times full scale,
-    colours are new = (newY + e') ((old + e) / (Y + e))^saturation - e', channel by channel; in Lab a* and b* are
-    multiplied by saturation (newL* + e') / (L* + e).  The result is clipped to the range, for floats too.  Without
+    colours are new = (newY + e') ((old + e) / (Y + e))^(saturation / gamma) - e', channel by channel; in Lab a* and b*
+    are multiplied by saturation (newL* + e') / (L* + e).  The result is clipped to the range, for floats too.  Without
     attenuation (beta 0, saturation 1) only the exposure changes.
 
     Parameters
@@ -69,7 +70,7 @@ def tonemap(
     floor : float
         Above 0, at most 1000.  .01 suits photographs; less for floats of a large range.
     gamma : float
-        Positive; 2.2 for pictures that store linear light and are to be looked at.
+        From .5 to 10; 2.2 for pictures that store linear light and are to be looked at, with ``space="rgb"``.
     space, **options
         See `clone`.
     """
@@ -79,7 +80,7 @@ def tonemap(
     check_number("black", black, 0, 100)
     check_number("white", white, 0, 100, above_low=True)
     check_number("floor", floor, 0, LARGEST_FACTOR, above_low=True)
-    check_number("gamma", gamma, 0, above_low=True)
+    check_number("gamma", gamma, *GAMMAS)
     if black >= white:
         raise InputError(f"black is {black} and white {white}, but black must be less")
     start = perf_counter()
@@ -105,7 +106,7 @@ def tonemap(
     new = np.exp(logs + result.solution)[:, :, np.newaxis]
     blackest = min(1.0, float(np.percentile(brightness, black)) * exposure / full)
     new = full * _stretched(new, black, white, blackest) ** new.dtype.type(1 / gamma)
-    values = domain.to_stored(_colored(working, haze, old, new, floor * full, saturation, domain))
+    values = domain.to_stored(_colored(working, haze, old, new, floor * full, saturation, gamma, domain))
     clipped = tone.count_clipped(values, image.dtype)
     overshoot = tone.excess(values, image.dtype) / tone.level(image.dtype)
     np.clip(values, 0, domain.full, out=values)
@@ -158,6 +159,7 @@ def _colored(
     new: Values,
     new_haze: float,
     saturation: float,
+    gamma: float,
     space: Space,
 ) -> Values:
     """Working values of the new luminance, with the colours of the old ones."""
@@ -169,7 +171,7 @@ def _colored(
         colored[:, :, :1] = new
         return colored
     ratio = (working + haze) / old
-    weights: Values = np.copysign(np.abs(ratio) ** kind(saturation), ratio)
+    weights: Values = np.copysign(np.abs(ratio) ** kind(saturation / gamma), ratio)
     weights *= new + kind(new_haze)
     weights -= kind(new_haze)
     return weights
