@@ -343,7 +343,7 @@ def _stand_in(picture: Picture, depth: Depth | None) -> Picture:
         return picture
     nothing = DTYPES[depth].type(0)
     alpha = None if picture.alpha is None else np.broadcast_to(nothing, picture.alpha.shape)
-    return dataclasses.replace(picture, pixels=np.broadcast_to(nothing, picture.pixels.shape), alpha=alpha)
+    return picture._replace(pixels=np.broadcast_to(nothing, picture.pixels.shape), alpha=alpha)
 
 
 def _canvas(job: Job, destination: Picture, source: Picture | None) -> Canvas:
