@@ -287,6 +287,52 @@ def encoded_mode(mode: str, form: str, **settings) -> bytes:
     return file.getvalue()
 
 
+@pytest.mark.parametrize(
+    ("compression", "name"), [(50001, "WebP"), (34712, "JPEG 2000"), (34887, "LERC"), (4711, "method 4711")]
+)
+def test_a_tiff_that_is_packed_in_another_way_is_refused_by_its_name(compression, name):
+    data = tiff(RGB, photometric="rgb")
+    packed = data.replace(struct.pack("<HHII", 259, 3, 1, 1), struct.pack("<HHII", 259, 3, 1, compression))
+    assert packed != data
+    assert refusal(packed) == (
+        f"a file: a TIFF compressed with {name}, which is not read; save it with LZW or Deflate first"
+    )
+
+
+def raw_file(kind: str) -> bytes:
+    """As cameras write them: a preview, and what the sensor saw somewhere else."""
+    if kind == "CR2":
+        data = tiff(RGB, photometric="rgb")
+        return data[:8] + b"CR\2\0" + data[8:]
+    tags = [(50706, "B", 4, (1, 4, 0, 0), True)] if kind == "DNG" else []
+    file = io.BytesIO()
+    with tifffile.TiffWriter(file) as writer:
+        writer.write(RGB, photometric="rgb", subfiletype=1, subifds=1, extratags=tags)
+        writer.write(np.zeros((64, 64), np.uint16), photometric="cfa", subfiletype=0)
+    return file.getvalue()
+
+
+@pytest.mark.parametrize("kind", ["DNG", "NEF", "CR2"])
+def test_the_preview_in_a_raw_file_is_not_taken_for_the_picture(kind):
+    data = raw_file(kind)
+    if kind == "CR2":  # the mark is in the way of the first directory, which Canon puts behind it
+        data = data[:4] + struct.pack("<I", struct.unpack_from("<I", data, 4)[0] + 4) + data[8:]
+    assert refusal(data) == "a file: a camera's raw file; develop it, and save a TIFF of 16 bits first"
+
+
+@pytest.mark.parametrize("name", ["profile", "compressed text"])
+def test_a_png_may_have_long_texts(name):
+    long = bytes(range(256)) * 8192  # 2 MiB
+    block = b"zTXt", b"plan\0\0" + zlib.compress(long)
+    if name == "profile":
+        block = b"iCCP", b"wide\0\0" + zlib.compress(long)
+    data = encoded(RGB)
+    body = struct.pack(">I", len(block[1])) + b"".join(block) + struct.pack(">I", zlib.crc32(b"".join(block)))
+    picture = decode(data[:33] + body + data[33:])
+    np.testing.assert_array_equal(picture.pixels, RGB)
+    assert picture.metadata.profile == (long if name == "profile" else None)
+
+
 def test_inks_are_refused():
     assert refusal(encoded_mode("CMYK", "JPEG")) == ("a file: a CMYK JPEG; convert it to RGB or grey first")
 
@@ -298,6 +344,9 @@ def test_inks_are_refused():
         (b"%PDF-1.7", "PDF"),
         (b"\0\0\0\x20ftypheic", "HEIC"),
         (b"\0\0\0\x20ftypavif", "AVIF"),
+        (b"\0\0\0\x20ftypisom", "a video"),
+        (b"\0\0\0\x20ftypcrx ", "a camera's raw file"),
+        (b"FUJIFILMCCD-RAW 0201", "a camera's raw file"),
         (b"\xff\x0a", "JPEG XL"),
         (b"PK\x03\x04", "ZIP archive"),
     ],

@@ -89,9 +89,9 @@ PNG: Final = Format(
 )
 JPEG: Final = Format(
     name="JPEG",
-    codec="raster",
+    codec="jpeg",
     extensions=(".jpg", ".jpeg", ".jpe"),
-    carries=("profile", "exif", "xmp", "dpi"),
+    carries=("profile", "exif", "xmp", "dpi", "iptc"),
     largest_side=65_500,
     exact=False,
     quality=True,
@@ -106,7 +106,7 @@ TIFF: Final = Format(
     extensions=(".tif", ".tiff"),
     depths=("8", "16", "float"),
     alpha=True,
-    carries=("profile", "exif", "xmp", "dpi"),
+    carries=("profile", "exif", "xmp", "dpi", "iptc"),
     pillow="TIFF",
     plugin="TiffImagePlugin",
 )
@@ -181,6 +181,8 @@ _MAGIC: Final[tuple[tuple[bytes, Format], ...]] = (
     *((b"P%c%c" % (kind, blank), PFM) for kind in b"fF" for blank in b" \t\r\n"),
 )
 
+_RAW: Final = "a camera's raw file"
+
 _FOREIGN: Final[tuple[tuple[int, bytes, str], ...]] = (
     (0, b"8BPS", "Photoshop"),
     (0, b"%PDF", "PDF"),
@@ -192,7 +194,15 @@ _FOREIGN: Final[tuple[tuple[int, bytes, str], ...]] = (
     (0, b"PK\x03\x04", "ZIP archive"),
     (0, b"<svg", "SVG"),
     (4, b"ftypavif", "AVIF"),
-    (4, b"ftyp", "HEIC"),
+    (4, b"ftypavis", "AVIF"),
+    *((4, b"ftyp" + brand, "HEIC") for brand in (b"hei", b"hev", b"mif1", b"msf1")),
+    (4, b"ftypcrx ", _RAW),
+    (4, b"ftyp", "a video"),
+    (0, b"FUJIFILMCCD-RAW", _RAW),
+    (0, b"IIU\0", _RAW),
+    (0, b"IIRO", _RAW),
+    (0, b"IIRS", _RAW),
+    (0, b"gimp xcf", "XCF"),
 )
 
 

@@ -95,7 +95,8 @@ def encode(picture: Picture, form: Format, quality: int | None = None) -> bytes:
     """
     if picture.pixels.ndim == 2 and not form.grey:
         picture = picture._replace(pixels=np.repeat(picture.pixels[..., np.newaxis], 3, axis=2))
-    picture = picture._replace(metadata=fitting(picture.metadata, form)[0])
+    metadata = fitting(picture.metadata, form)[0].of_size(*picture.shape)
+    picture = picture._replace(metadata=metadata)
     codec = importlib.import_module(f"poisson_cli.images.codecs.{form.codec}")
     data: bytes = codec.encode(picture, form, quality)
     return data
@@ -107,7 +108,7 @@ def fitting(metadata: Metadata, form: Format) -> tuple[Metadata, tuple[Kind, ...
     if metadata.profile is not None and "profile" not in stay and not form.can_hold_profile(metadata.profile):
         stay.append("profile")
     if form is JPEG:  # in which a block has at most 64 KiB
-        for kind, block in (("exif", metadata.exif), ("xmp", metadata.xmp)):
+        for kind, block in (("exif", metadata.exif), ("xmp", metadata.xmp), ("iptc", metadata.iptc)):
             if block is not None and len(block) > _JPEG_BLOCK:
                 stay.append(kind)
     return metadata._replace(**dict.fromkeys(stay)), tuple(stay)

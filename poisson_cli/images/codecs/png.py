@@ -11,11 +11,13 @@ Writing is simpler than reading: see `png_writer`.
 from __future__ import annotations
 
 import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import ImageFile
+from PIL import ImageFile, PngImagePlugin
 
 from poisson_cli.errors import InputError
 from poisson_cli.images.codecs import pillow, raster
@@ -44,13 +46,14 @@ def decode(data: bytes, name: str, form: Format, *, indices: bool = False) -> De
     asked().refuse_large(name, width, height)
     row = (width * bits * _SAMPLES.get(colour, 1) + 7) // 8
     refuse_hollow(name, height * row, len(data), DEFLATE_RATIO)
-    with pillow.opened(data, form) as image:
+    with _long_texts(), pillow.opened(data, form) as image:
         if image.size != (width, height):
             raise ValueError("two headers that differ")
         page = raster.page_of(image, name)
         if page:
             image.seek(page)
         if bits != 16:
+            _scale_transparent_value(image, bits, colour)
             return pillow.eight_bits(image, pillow.decode_mode(image, name, form, indices=indices))
         if page:
             raise InputError(f"{name}: an animation of 16 bits; only its first frame is read")
@@ -58,6 +61,30 @@ def decode(data: bytes, name: str, form: Format, *, indices: bool = False) -> De
         transparent = None if indices else image.info.get("transparency")
         pixels, alpha = _with_transparent_value(pixels, colour, transparent)
         return Decoded(pixels, alpha, pillow.orientation_of(image), False, pillow.metadata_of(image))
+
+
+@contextmanager
+def _long_texts() -> Iterator[None]:
+    """Let texts and profiles be longer, unpacked, than the mebibyte that Pillow allows; together they may not be."""
+    usual = PngImagePlugin.MAX_TEXT_CHUNK
+    PngImagePlugin.MAX_TEXT_CHUNK = PngImagePlugin.MAX_TEXT_MEMORY
+    try:
+        yield
+    finally:
+        PngImagePlugin.MAX_TEXT_CHUNK = usual
+
+
+def _scale_transparent_value(image: ImageFile.ImageFile, bits: int, colour: int) -> None:
+    """Bring the one value that is transparent to the eight bits to which Pillow brings the pixels of 2 or 4 bits.
+
+    Of a 16-bit number in the file that is to be compared with fewer bits, the lower ones count.
+    """
+    value = image.info.get("transparency")
+    most = (1 << bits) - 1
+    if colour == 0 and bits > 1 and isinstance(value, int):
+        image.info["transparency"] = (value & most) * 255 // most
+    elif colour == 2 and isinstance(value, tuple):
+        image.info["transparency"] = tuple(number & most for number in value)
 
 
 def _sixteen_bits(image: ImageFile.ImageFile, data: bytes, form: Format, colour: int) -> NDArray[np.uint16]:
