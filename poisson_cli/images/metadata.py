@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import re
 from typing import Final, NamedTuple
 
@@ -55,7 +54,7 @@ class Metadata(NamedTuple):
         xmp = self.xmp
         if xmp is not None:
             xmp = _XMP_PREVIEWS.sub(b"", _XMP_ORIENTATION.sub(rb"\g<1>1", xmp))
-        return dataclasses.replace(self, exif=exif_blocks.of_upright(self.exif), xmp=xmp)
+        return self._replace(exif=exif_blocks.of_upright(self.exif), xmp=xmp)
 
     def of_size(self, height: int, width: int) -> Metadata:
         """The same for a picture of some size in pixels, wherever that stands."""
@@ -63,4 +62,4 @@ class Metadata(NamedTuple):
         if xmp is not None:
             for pattern, side in zip(_XMP_SIDES, (height, width), strict=True):
                 xmp = pattern.sub(rb"\g<1>%d" % side, xmp)
-        return dataclasses.replace(self, exif=exif_blocks.of_size(self.exif, height, width), xmp=xmp)
+        return self._replace(exif=exif_blocks.of_size(self.exif, height, width), xmp=xmp)
