@@ -19,16 +19,18 @@ from poisson_cli.params import (
     COUNT,
     EIGHT_BIT,
     ELLIPSE,
+    FACTOR,
+    FACTOR_ABOVE_0,
     FILE,
     LASSO,
     MASK,
     NOT_NEGATIVE,
-    NUMBER,
     POINT,
     POLYGON,
     POSITIVE,
     QUALITY,
     RECTANGLE,
+    within,
 )
 
 if TYPE_CHECKING:
@@ -363,7 +365,7 @@ bleeding: Final = _several(
 relight: Final = _several(
     click.option(
         "--alpha",
-        type=POSITIVE,
+        type=FACTOR_ABOVE_0,
         metavar="F",
         default=defaults.ALPHA,
         show_default=True,
@@ -371,11 +373,11 @@ relight: Final = _several(
     ),
     click.option(
         "--beta",
-        type=NUMBER,
+        type=within(-1, 1),
         metavar="F",
         default=defaults.BETA,
         show_default=True,
-        help="How much so: 0 is not at all; a negative number does the reverse.",
+        help="How much so, from -1 to 1: 0 is not at all; a negative number does the reverse.",
     ),
 )
 
@@ -459,7 +461,7 @@ then: Final = _bundle(
         *_edge_options("source"),
         click.option(
             "--focus",
-            type=NOT_NEGATIVE,
+            type=FACTOR,
             metavar="F",
             help="Multiply the imported gradients: above 1 sharper, below 1 paler.",
         ),
@@ -567,9 +569,9 @@ inputs: Final = _bundle(
 
 def _output(path: Path, **choices: Any) -> Output:
     from poisson_cli.settings import Output
-    from poisson_cli.streams import STANDARD
+    from poisson_cli.streams import is_standard_output
 
-    if str(path) == STANDARD and click.get_current_context().params.get("json"):
+    if is_standard_output(path) and click.get_current_context().params.get("json"):
         raise click.UsageError(
             "--json prints on the standard output, where the picture goes: name a file with -o."
         )

@@ -53,6 +53,7 @@ def test_the_outline_of_the_selection_is_no_edge():
     found = flatten(picture, mask)
     np.testing.assert_array_equal(found.image, given.image)
     assert found.report.edge_share == given.report.edge_share == find_edges(picture)[mask].mean()
+    assert [*found.report.seconds] == ["edges", *given.report.seconds]
 
 
 @pytest.mark.parametrize(

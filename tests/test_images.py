@@ -525,6 +525,27 @@ def test_a_replaced_file_keeps_its_mode(tmp_path):
     assert names(tmp_path) == ["a"]
 
 
+@pytest.mark.usefixtures("temporary")
+def test_a_replaced_file_keeps_its_owner(tmp_path, monkeypatch):
+    """Whom it belongs to is for root to say, so what the system is asked is looked at."""
+    path = tmp_path / "a"
+    path.write_bytes(b"old")
+    asked = []
+    monkeypatch.setattr(os, "chown", lambda _, *whose: asked.append(whose))
+    writing.save(b"new", path, overwrite=True)
+    assert asked == [(path.stat().st_uid, path.stat().st_gid)]
+    monkeypatch.setattr(os, "chown", failing(PermissionError(1, "Operation not permitted")))
+    writing.save(b"newer", path, overwrite=True)
+    assert path.read_bytes() == b"newer"
+
+
+def failing(error):
+    def fail(*_):
+        raise error
+
+    return fail
+
+
 def test_a_link_is_followed_and_stays_a_link(tmp_path):
     (tmp_path / "folder").mkdir()
     real, link = tmp_path / "folder" / "real.png", tmp_path / "link.png"

@@ -96,7 +96,7 @@ def _each(images: tuple[Path, ...], outputs: tuple[Output, ...]) -> tuple[Output
         return tuple(folder._replace(path=folder.path / image.name) for image in images)
     if len(outputs) != len(images):
         raise click.UsageError(
-            f"{len(images)} pictures, but {len(outputs)} outputs: give -o once for each, or once with a folder that "
+            f"{len(images)} pictures, but {len(outputs)} x -o: give it once for each, or once with a folder that "
             "exists."
         )
     return outputs

@@ -35,7 +35,7 @@ class EditReport(NamedTuple):
     clipped : int
         Values of integer pictures that left the range and were clipped.
     seconds : dict
-        Seconds per stage: guidance, solve, paste.
+        Seconds per stage: guidance, solve, paste; before them search (for a patch) or edges, where they were sought.
     error_bound : float or None
         Proven upper bound of the error in any pixel, before values were rounded to integers, in levels; None unless
         it was asked for (`certify`).

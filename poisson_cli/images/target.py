@@ -14,9 +14,9 @@ from typing import NamedTuple
 
 from poisson_cli.errors import OutputError
 from poisson_cli.images.depth import in_words
-from poisson_cli.images.formats import WRITTEN, Format, by_extension, listed
+from poisson_cli.images.formats import TIFF, WRITTEN, Format, by_extension, listed
 from poisson_cli.images.picture import Picture
-from poisson_cli.streams import STANDARD, missing
+from poisson_cli.streams import STANDARD, is_standard_output, missing
 
 __all__ = ["Target", "format_for", "prepare"]
 
@@ -108,7 +108,7 @@ def prepare(
         replaced, or what is there can be neither replaced nor written into.
     """
     known = format_for(path, form=form, quality=quality)
-    if str(path) == STANDARD:
+    if is_standard_output(path):
         if missing(sys.stdout):
             raise OutputError("standard output: it is closed; name a file with -o")
         if sys.stdout.isatty():
@@ -140,6 +140,8 @@ def format_for(path: Path, *, form: str | None = None, quality: int | None = Non
         If nothing tells the format, it cannot be written here, or it has no quality to choose.
     """
     known = by_extension(path if form is None else Path(f"picture.{form}"))
+    if known is None and str(path) == os.devnull:
+        known = TIFF  # which can hold anything
     if known is None:
         raise OutputError(f"{path}: {_no_format(path)}")
     if known.absent is not None:
@@ -161,22 +163,12 @@ def _no_format(path: Path) -> str:
 
 
 def _is_stream(path: Path) -> bool:
-    """Whether what is there is written into: a pipe, a device such as /dev/null, or whatever stdout leads to."""
+    """Whether what is there is written into: a pipe, or a device such as /dev/null."""
     try:
-        there = path.stat()
+        kind = path.stat().st_mode
     except (FileNotFoundError, NotADirectoryError):
         return False
-    if stat.S_ISFIFO(there.st_mode) or stat.S_ISCHR(there.st_mode):
-        return True
-    try:
-        return stat.S_ISREG(there.st_mode) and os.path.samestat(there, os.fstat(1)) and _is_descriptor(path)
-    except OSError:  # there is no stdout
-        return False
-
-
-def _is_descriptor(path: Path) -> bool:
-    """Whether a path is another name of an open file, such as /dev/stdout, rather than of the file itself."""
-    return os.path.realpath(path.parent).startswith(("/dev", "/proc"))
+    return stat.S_ISFIFO(kind) or stat.S_ISCHR(kind)
 
 
 def refuse_obstacles(path: Path, real: Path, *, overwrite: bool) -> None:
@@ -201,6 +193,7 @@ def refuse_obstacles(path: Path, real: Path, *, overwrite: bool) -> None:
     folder = real.parent
     if not folder.is_dir():
         raise OutputError(f"{path}: there is no folder {folder}; make it first")
+    protected = False
     try:
         kind = real.lstat().st_mode
     except FileNotFoundError:
@@ -214,5 +207,8 @@ def refuse_obstacles(path: Path, real: Path, *, overwrite: bool) -> None:
             raise OutputError(
                 f"{path}: exists already; add --overwrite to replace it, or choose another name"
             )
+        protected = not os.access(real, os.W_OK)
     if not os.access(folder, os.W_OK | os.X_OK):
         raise OutputError(f"{path}: the folder {folder} is not writable")
+    if protected:
+        raise OutputError(f"{path}: exists, and is protected against writing; choose another name")

@@ -140,7 +140,8 @@ def save(data: bytes, path: Path, *, overwrite: bool, before_commit: Committing 
     data
         The whole file.
     path
-        Where to; not a link. A new file gets the mode that the umask leaves, a replaced one keeps its mode.
+        Where to; not a link. A new file gets the mode that the umask leaves, a replaced one keeps its mode, and
+        its owner if that can be.
     overwrite
         Whether to replace a file that is there.
     before_commit
@@ -156,11 +157,11 @@ def save(data: bytes, path: Path, *, overwrite: bool, before_commit: Committing 
     # The name is settled before the file exists, so that no signal can come between the file and its removal.
     temporary = path.with_name(f".poisson-{os.getpid()}-{os.urandom(8).hex()}.tmp")
     try:
-        mode = stat.S_IMODE(path.stat().st_mode) if overwrite and path.exists() else None
+        old = path.stat() if overwrite and path.exists() else None
         wanted = temporary if overwrite else path
-        if not _write_nameless(data, wanted, mode, before_commit):
+        if not _write_nameless(data, wanted, old, before_commit):
             with open(temporary, "xb") as file:
-                _write_through(data, file, mode)
+                _write_through(data, file, old)
             if before_commit is not None:
                 before_commit()
             if not overwrite:
@@ -172,7 +173,7 @@ def save(data: bytes, path: Path, *, overwrite: bool, before_commit: Committing 
     _sync_folder(path.parent)
 
 
-def _write_nameless(data: bytes, path: Path, mode: int | None, before_commit: Committing) -> bool:
+def _write_nameless(data: bytes, path: Path, old: os.stat_result | None, before_commit: Committing) -> bool:
     """Write a file that has no name before all of it is on the disk, so that not even SIGKILL leaves a part of it.
 
     Returns
@@ -195,7 +196,7 @@ def _write_nameless(data: bytes, path: Path, mode: int | None, before_commit: Co
         except OSError:
             return False
         file = stack.enter_context(open(descriptor, "wb"))
-        _write_through(data, file, mode)
+        _write_through(data, file, old)
         if before_commit is not None:
             before_commit()
         try:
@@ -208,10 +209,13 @@ def _write_nameless(data: bytes, path: Path, mode: int | None, before_commit: Co
     return True
 
 
-def _write_through(data: bytes, file: BinaryIO, mode: int | None) -> None:
-    """Write a whole file to the disk itself; None is the mode that the umask leaves."""
-    if mode is not None:
-        os.chmod(file.fileno(), mode)
+def _write_through(data: bytes, file: BinaryIO, old: os.stat_result | None) -> None:
+    """Write a whole file to the disk itself, for the owner and in the mode of the one that it replaces, if any."""
+    if old is not None:
+        if hasattr(os, "chown"):
+            with contextlib.suppress(OSError):  # only root may give files away
+                os.chown(file.fileno(), old.st_uid, old.st_gid)
+        os.chmod(file.fileno(), stat.S_IMODE(old.st_mode))
     file.write(data)
     file.flush()
     os.fsync(file.fileno())

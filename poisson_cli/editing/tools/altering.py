@@ -1,5 +1,6 @@
 """Section 4: a picture edited in place."""
 
+from time import perf_counter
 from typing import Any, Unpack
 
 import numpy as np
@@ -49,13 +50,17 @@ def flatten(
     """
     scene = _scene(image, mask)
     size = scene.destination.shape[:2]
+    finding = {}
     if edges is None:
+        start = perf_counter()
         edges = find_edges(scene.destination, low=low, high=high, sigma=sigma)
+        finding = {"edges": perf_counter() - start}
     edges = check_edges(edges, size, "image")
     edit = _in_place("flatten", scene, Sieve(edges), rescale=rescale, space=space, **options)
     placement = scene.placement
     share = placement.on_destination(edges)[placement.region].mean()
-    return Edit(edit.image, edit.report._replace(edge_share=float(share)))
+    seconds = {**finding, **edit.report.seconds}
+    return Edit(edit.image, edit.report._replace(edge_share=float(share), seconds=seconds))
 
 
 def relight(
