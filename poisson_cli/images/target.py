@@ -9,8 +9,8 @@ from __future__ import annotations
 import os
 import stat
 import sys
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from poisson_cli.errors import OutputError
 from poisson_cli.images.depth import in_words
@@ -21,8 +21,7 @@ from poisson_cli.streams import STANDARD, is_standard_output, missing
 __all__ = ["Target", "format_for", "prepare"]
 
 
-@dataclass(frozen=True)
-class Target:
+class Target(NamedTuple):
     """A file that is going to be written.
 
     Parameters

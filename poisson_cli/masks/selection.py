@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass
-from typing import Final
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,11 +18,7 @@ from poisson_cli.settings import Area, Combine, Ellipse, Grow, MaskFile, Polygon
 __all__ = ["Selected", "select"]
 
 
-_INDEX: Final = re.compile(r":index=[0-9]+$")
-
-
-@dataclass(frozen=True)
-class Selected:
+class Selected(NamedTuple):
     """A selection that was drawn.
 
     Parameters
@@ -136,6 +130,6 @@ def _of_empty_file(file: MaskFile, drawn: Drawn, threshold: int, canvas: Canvas)
             f"the brightest pixel of a mask is {drawn.strongest}, below the threshold of {threshold} "
             f"(lower it: --mask-threshold {drawn.strongest}; or choose from a map of labels: :index={drawn.strongest})"
         )
-    if _INDEX.search(file.name):
+    if file.name.rpartition(":index=")[2].isdecimal():
         return f"no pixel is {file.name}"
     return "no pixel of a mask is set (white selects; --invert-mask turns it round)"

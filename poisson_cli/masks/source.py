@@ -15,9 +15,8 @@ from __future__ import annotations
 import codecs
 import os
 import re
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +32,7 @@ from poisson_cli.settings import MaskFile, Polygon
 
 __all__ = ["Drawn", "decode_mask", "locate", "read_mask"]
 
-_HEADING: Final = re.compile(r"^[\"']?x[\"']?\s*,\s*[\"']?y[\"']?[ \t]*\r?\n", re.IGNORECASE)
+_HEADING: Final = r"^[\"']?x[\"']?\s*,\s*[\"']?y[\"']?[ \t]*\r?\n"
 """What a spreadsheet calls its columns."""
 
 _NUMBERS: Final = tuple("+-.#0123456789")
@@ -43,8 +42,7 @@ _LARGEST: Final = 1 << 27
 """Bytes of a text; what it may hold has limits of its own, in characters."""
 
 
-@dataclass(frozen=True)
-class Drawn:
+class Drawn(NamedTuple):
     """What a mask file selects.
 
     Parameters
@@ -119,7 +117,7 @@ def decode_mask(data: bytes, name: str, part: str | None, canvas: Canvas, thresh
             from poisson_cli.masks.annotations import draw_annotations  # most runs can do without JSON
 
             return Drawn(draw_annotations(text, part, canvas))
-        text = _HEADING.sub("\n", text)
+        text = re.sub(_HEADING, "\n", text, flags=re.IGNORECASE)
         if text.lstrip().startswith(_NUMBERS):
             if part is not None:
                 raise InputError(f"a polygon has no parts to choose from, such as {part!r}")

@@ -122,6 +122,27 @@ _TONEMAP = Scene(
 )  # fmt: skip
 
 
+_COFFEE: Final = {
+    "cat.png": Photograph("chelsea.png", size=(330, 192)),
+    "cup.png": Photograph("coffee.png", crop=(150, 10, 420, 235), size=(540, 450)),
+}
+
+_FACE: Final = {
+    "face.png": Selection(
+        on="cat.png",
+        shapes=(
+            Lasso(
+                (
+                    (80, 16), (140, 7), (205, 8), (252, 24), (278, 60), (270, 110), (240, 150), (205, 180),
+                    (160, 180), (110, 160), (70, 130), (45, 100), (40, 62), (52, 34),
+                )
+            ),
+        ),
+    )
+}  # fmt: skip
+
+_CUP: Final = (130, 165, 424, 366)
+
 _SCREEN = Scene(
     name="clone-screen",
     title="A cat that keeps her colours",
@@ -131,23 +152,8 @@ _SCREEN = Scene(
         "over all of the inside, and the cat turns orange. With --screen the source's own colours come back away from "
         "the border; --space lab alone keeps light and dark apart better, but not the colours."
     ),
-    pictures={
-        "cat.png": Photograph("chelsea.png", size=(330, 192)),
-        "cup.png": Photograph("coffee.png", crop=(150, 10, 420, 235), size=(540, 450)),
-    },
-    selections={
-        "face.png": Selection(
-            on="cat.png",
-            shapes=(
-                Lasso(
-                    (
-                        (80, 16), (140, 7), (205, 8), (252, 24), (278, 60), (270, 110), (240, 150), (205, 180),
-                        (160, 180), (110, 160), (70, 130), (45, 100), (40, 62), (52, 34),
-                    )
-                ),
-            ),
-        )
-    },
+    pictures=_COFFEE,
+    selections=_FACE,
     naive={"plain-paste.png": Pasted(), "alpha-blend.png": Pasted(feather=8)},
     commands=(
         Command("clone cat.png cup.png -m face.png --at 118,180 -o clone.png --overwrite"),
@@ -156,14 +162,40 @@ _SCREEN = Scene(
     ),
     panels=(
         Panel("Selection", "a loose loop around the face", "cat.png", "face.png", crop=(20, 0, 300, 192)),
-        Panel("Plain copy", "a cut-out", "plain-paste.png", crop=(130, 165, 424, 366)),
-        Panel("Alpha blend", "a halo", "alpha-blend.png", crop=(130, 165, 424, 366)),
-        Panel("Cloned", "poisson clone: coffee bleeds in", "clone.png", crop=(130, 165, 424, 366)),
-        Panel("In Lab", "--space lab: darks stay dark", "lab.png", crop=(130, 165, 424, 366)),
-        Panel("After", "--screen .002: her own colours", RESULT, crop=(130, 165, 424, 366)),
+        Panel("Plain copy", "a cut-out", "plain-paste.png", crop=_CUP),
+        Panel("Alpha blend", "a halo", "alpha-blend.png", crop=_CUP),
+        Panel("Cloned", "poisson clone: coffee bleeds in", "clone.png", crop=_CUP),
+        Panel("In Lab", "--space lab: darks stay dark", "lab.png", crop=_CUP),
+        Panel("After", "--screen .002: her own colours", RESULT, crop=_CUP),
     ),
     columns=3,
-)  # fmt: skip
+)
+
+
+_RESCALE = Scene(
+    name="clone-rescale",
+    title="Black stays black",
+    figure="",
+    caption=(
+        "Coffee has much red and little blue, and so has the cat that is cloned into it: less blue than none in her "
+        "dark stripes and pupils. Cutting that off turns them brown. With --rescale nothing is cut off: colours that "
+        "cannot be had lose as much saturation as they must, at the same brightness, and contrast is reduced where "
+        "that is not enough, here to 98 %."
+    ),
+    pictures=_COFFEE,
+    selections=_FACE,
+    naive={"plain-paste.png": Pasted()},
+    commands=(
+        Command("clone cat.png cup.png -m face.png --at 118,180 -o clone.png --overwrite"),
+        Command("clone cat.png cup.png -m face.png --at 118,180 --rescale -o result.png --overwrite"),
+    ),
+    panels=(
+        Panel("Selection", "a loose loop around the face", "cat.png", "face.png", crop=(20, 0, 300, 192)),
+        Panel("Plain copy", "a cut-out", "plain-paste.png", crop=_CUP),
+        Panel("Cloned", "poisson clone: 8,677 values clipped", "clone.png", crop=_CUP),
+        Panel("After", "poisson clone --rescale", RESULT, crop=_CUP),
+    ),
+)
 
 
 _ROBUST = Scene(
@@ -205,4 +237,4 @@ _ROBUST = Scene(
 )  # fmt: skip
 
 
-SCENES: Final = (_FOCUS, _DRAWN, _TONEMAP, _SCREEN, _ROBUST)
+SCENES: Final = (_FOCUS, _DRAWN, _TONEMAP, _SCREEN, _RESCALE, _ROBUST)
