@@ -642,12 +642,10 @@ outputs: Final = _bundle(
 
 
 def _reporting(quiet: bool, verbose: bool, json: bool) -> Reporting:
-    from poisson_cli import compiling
     from poisson_cli.settings import Reporting
 
     if quiet and verbose:
         raise click.UsageError("--quiet and --verbose contradict each other.")
-    compiling.announce(quiet=quiet)
     return Reporting(quiet=quiet, verbose=verbose, json=json)
 
 

@@ -61,10 +61,7 @@ class Task:
         """The same, but outputs that are there are replaced."""
         return dataclasses.replace(
             self,
-            jobs=tuple(
-                dataclasses.replace(job, output=dataclasses.replace(job.output, overwrite=True))
-                for job in self.jobs
-            ),
+            jobs=tuple(job._replace(output=job.output._replace(overwrite=True)) for job in self.jobs),
         )
 
 

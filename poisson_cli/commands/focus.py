@@ -52,7 +52,7 @@ def command(
       poisson focus portrait.jpg -m face.png --amount 1.5 -o out.png
     """
     from poisson_cli import attended
-    from poisson_cli.job import Job
+    from poisson_cli.settings import Job
 
     attended.run(
         [

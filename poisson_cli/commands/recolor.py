@@ -75,7 +75,7 @@ def command(
       poisson recolor garden.jpg -m flower.png --gain 1.5,.5,.5 -o out.png
     """
     from poisson_cli import attended
-    from poisson_cli.job import Job
+    from poisson_cli.settings import Job
 
     attended.run(
         [

@@ -55,7 +55,7 @@ def command(
             "--per-channel needs --space rgb or linear: colours in CIE-Lab are no intensities."
         )
     from poisson_cli import attended
-    from poisson_cli.job import Job
+    from poisson_cli.settings import Job
 
     attended.run(
         [

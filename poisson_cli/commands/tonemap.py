@@ -102,7 +102,7 @@ def command(
     if parameters["black"] >= parameters["white"]:
         raise click.UsageError(f"--black is {parameters['black']:g}, but must be less than --white.")
     from poisson_cli import attended
-    from poisson_cli.job import Job
+    from poisson_cli.settings import Job
 
     attended.run(
         [

@@ -28,7 +28,6 @@ LUMINANCE = (2126, 7152, 722)
 # X, Y, Z of the primaries, relative to those of white, which is R = G = B = 1: grey is exactly neutral in Lab.
 _XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
 _TO_XYZ = _XYZ / _XYZ.sum(1, keepdims=True)
-_FROM_XYZ: NDArray[Any] = np.linalg.inv(_TO_XYZ)
 
 # Where Lab's straight part ends, as a cube root; the light there is the cube of it.
 _DELTA = 6 / 29
@@ -66,7 +65,7 @@ def srgb_of(lab: Values) -> Values:
     xyz = np.empty_like(lab)
     for i, t in enumerate((y + lab[..., 1] / 500, y, y - lab[..., 2] / 200)):
         xyz[..., i] = _expanded(t)
-    return encode_srgb(np.stack(_mixed(_FROM_XYZ, xyz), axis=-1))
+    return encode_srgb(np.stack(_mixed(np.linalg.inv(_TO_XYZ), xyz), axis=-1))
 
 
 def luminance(values: Values) -> Values:

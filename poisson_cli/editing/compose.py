@@ -1,8 +1,10 @@
 """The one pipeline behind every tool: crop, guidance, problem, solve, paste."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from time import perf_counter
-from typing import Unpack
+from typing import TYPE_CHECKING, Unpack
 
 from poisson_cli.editing.guidance import Factors, Field
 from poisson_cli.editing.report import Edit, report_on
@@ -10,12 +12,14 @@ from poisson_cli.editing.rescaling import Unpainted, solve_in_range, without_gui
 from poisson_cli.editing.scene import Scene
 from poisson_cli.editing.solving import SolverOptions, solve
 from poisson_cli.editing.spaces import Fitted, Space
-from poisson_cli.editing.transforms import Transform
 from poisson_cli.editing.window import Window
 from poisson_cli.errors import InputError
 from solvers import PoissonProblem, SolveResult
 from solvers.canvas import Canvas
 from solvers.problem import LARGEST_SCREENING
+
+if TYPE_CHECKING:
+    from poisson_cli.editing.transforms import Transform
 
 
 def compose(

@@ -1,7 +1,6 @@
 """What a tool returns: the edited picture, and what was done to it."""
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
@@ -9,8 +8,7 @@ from poisson_cli.editing.solving import SolverOptions
 from solvers import SolveResult
 
 
-@dataclass(frozen=True)
-class EditReport:
+class EditReport(NamedTuple):
     """What an edit did.
 
     Attributes
@@ -82,8 +80,7 @@ class EditReport:
     boundary_shift: tuple[float, ...] | None = None
 
 
-@dataclass(frozen=True)
-class Edit:
+class Edit(NamedTuple):
     """The edited picture, of the destination's shape and dtype, and the report."""
 
     image: NDArray[Any]

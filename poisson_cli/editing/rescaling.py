@@ -16,8 +16,8 @@ f and m are held whole, unlike anything else in an edit.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import TypeVar
+from dataclasses import replace
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -136,8 +136,7 @@ def scaled(f: Values, m: Values, scale: float) -> Values:
     return m + f.dtype.type(scale) * (f - m)
 
 
-@dataclass(frozen=True, eq=False)
-class _Pixels:
+class _Pixels(NamedTuple):
     """f and m in single pixels, (n, C), and what `Space.to_stored` must know of them."""
 
     space: Space

@@ -9,8 +9,8 @@ from __future__ import annotations
 import os
 import stat
 import sys
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from poisson_cli.errors import OutputError
 from poisson_cli.images.depth import in_words
@@ -21,8 +21,7 @@ from poisson_cli.streams import STANDARD, is_standard_output, missing
 __all__ = ["Target", "format_for", "prepare"]
 
 
-@dataclass(frozen=True)
-class Target:
+class Target(NamedTuple):
     """A file that is going to be written.
 
     Parameters
@@ -39,6 +38,8 @@ class Target:
         Whether it is a pipe or a device, or the standard output: written into, never replaced.
     quality
         Of a lossy format, 1 to 100; None leaves it to the format.
+    grey
+        Whether its name says that it is grey.
     """
 
     path: Path
@@ -47,6 +48,7 @@ class Target:
     overwrite: bool = False
     stream: bool = False
     quality: int | None = None
+    grey: bool = False
 
     @property
     def name(self) -> str:
@@ -67,6 +69,10 @@ class Target:
             If it has more channels than the format, longer sides, or another depth.
         """
         form = self.form
+        if self.grey and picture.pixels.ndim == 3:
+            raise OutputError(
+                f"{self.name}: a PGM is grey, and {picture.name} is {picture.layout}; name it .ppm"
+            )
         if picture.alpha is not None and not form.alpha:
             able = listed(tuple(known for known in WRITTEN if known.alpha and picture.depth in known.depths))
             raise OutputError(
@@ -124,7 +130,8 @@ def prepare(
             refuse_obstacles(path, real, overwrite=overwrite)
     except OSError as error:  # a name too long, a loop of links
         raise OutputError(f"{path}: cannot be written ({error.strerror})") from error
-    return Target(path, path if stream else real, known, overwrite, stream, quality)
+    grey = form is None and path.suffix.lower() == ".pgm"
+    return Target(path, path if stream else real, known, overwrite, stream, quality, grey)
 
 
 def format_for(path: Path, *, form: str | None = None, quality: int | None = None) -> Format:

@@ -8,7 +8,6 @@ leave the old file as it was, or no file.
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 import importlib
 import os
 import stat
@@ -95,9 +94,9 @@ def encode(picture: Picture, form: Format, quality: int | None = None) -> bytes:
         If the format needs a package that is not there, or cannot hold this picture.
     """
     if picture.pixels.ndim == 2 and not form.grey:
-        picture = dataclasses.replace(picture, pixels=np.repeat(picture.pixels[..., np.newaxis], 3, axis=2))
+        picture = picture._replace(pixels=np.repeat(picture.pixels[..., np.newaxis], 3, axis=2))
     metadata = fitting(picture.metadata, form)[0].of_size(*picture.shape)
-    picture = dataclasses.replace(picture, metadata=metadata)
+    picture = picture._replace(metadata=metadata)
     codec = importlib.import_module(f"poisson_cli.images.codecs.{form.codec}")
     data: bytes = codec.encode(picture, form, quality)
     return data
@@ -112,7 +111,7 @@ def fitting(metadata: Metadata, form: Format) -> tuple[Metadata, tuple[Kind, ...
         for kind, block in (("exif", metadata.exif), ("xmp", metadata.xmp), ("iptc", metadata.iptc)):
             if block is not None and len(block) > _JPEG_BLOCK:
                 stay.append(kind)
-    return dataclasses.replace(metadata, **dict.fromkeys(stay)), tuple(stay)
+    return metadata._replace(**dict.fromkeys(stay)), tuple(stay)
 
 
 def _send(data: bytes, path: Path | None) -> None:

@@ -1,6 +1,5 @@
 """Section 4: a picture edited in place."""
 
-from dataclasses import replace
 from time import perf_counter
 from typing import Any, Unpack
 
@@ -61,7 +60,7 @@ def flatten(
     placement = scene.placement
     share = placement.on_destination(edges)[placement.region].mean()
     seconds = {**finding, **edit.report.seconds}
-    return Edit(edit.image, replace(edit.report, edge_share=float(share), seconds=seconds))
+    return Edit(edit.image, edit.report._replace(edge_share=float(share), seconds=seconds))
 
 
 def relight(

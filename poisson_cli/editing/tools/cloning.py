@@ -1,7 +1,9 @@
 """Section 3: gradients imported from a source, and the membrane that needs none."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
-from typing import Any, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 from numpy.typing import NDArray
 
@@ -13,8 +15,10 @@ from poisson_cli.editing.report import Edit
 from poisson_cli.editing.scene import Scene
 from poisson_cli.editing.solving import SolverOptions
 from poisson_cli.editing.spaces import SpaceName, named
-from poisson_cli.editing.transforms import Transform
 from poisson_cli.errors import InputError
+
+if TYPE_CHECKING:
+    from poisson_cli.editing.transforms import Transform
 
 
 def clone(

@@ -1,7 +1,6 @@
 """Concealment (Fig. 2): a picture mended with a piece of itself."""
 
 import operator
-from dataclasses import replace
 from time import perf_counter
 from typing import Any, Unpack
 
@@ -74,7 +73,7 @@ def heal(
         **options,
     )
     seconds = {**searching, **edit.report.seconds}
-    return Edit(edit.image, replace(edit.report, offset=(row, col), seconds=seconds))
+    return Edit(edit.image, edit.report._replace(offset=(row, col), seconds=seconds))
 
 
 def _checked(
