@@ -253,7 +253,7 @@ def test_what_stands_in_the_way_of_a_folder(tmp_path):
     assert (tmp_path / "a" / "b").is_dir()
     (tmp_path / "file").write_text("")
     assert store.obstacle(tmp_path / "file") == f"{tmp_path / 'file'} is not a folder"
-    assert store.obstacle(tmp_path / "file" / "b") == f"{tmp_path / 'file' / 'b'}: Not a directory"
+    assert store.obstacle(tmp_path / "file" / "b") == f"{tmp_path / 'file'}: File exists"
 
 
 def test_a_compiler_that_fails_is_spoken_of(warm, tmp_path):
