@@ -59,7 +59,7 @@ def run(job: MaskJob, before_commit: images.Committing = interrupts.finishing.se
     target = images.prepare(
         output.path, overwrite=output.overwrite, form=output.format, quality=output.quality
     )
-    if not over and not target.form.exact:
+    if not over and (not target.form.exact or output.quality is not None):
         raise OutputError(
             f"{output.path}: {target.form.name} would blur the mask; choose another format, such as PNG"
         )

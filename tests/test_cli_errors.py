@@ -260,7 +260,7 @@ INPUT = {
     "faint mask": (
         replaced(FILL, "dest-mask.png", "ones.png"),
         "the selection is empty: the brightest pixel of a mask is 1, below the threshold of 128 "
-        "(lower it: --mask-threshold 1)",
+        "(lower it: --mask-threshold 1; or choose from a map of labels: :index=1)",
     ),
     "rectangle outside": (
         "fill grey.png --rect 48,0,5,5 -o out.png".split(),

@@ -593,13 +593,15 @@ def test_nothing_is_left_whatever_happens(tmp_path, monkeypatch, module, step, o
     )
 
 
-def test_an_encoder_that_fails_leaves_nothing(tmp_path, monkeypatch):
+@pytest.mark.parametrize("name", ["a.jpg", "a.webp"])
+@pytest.mark.parametrize("kind", [OSError, ValueError])
+def test_an_encoder_that_fails_leaves_nothing(tmp_path, monkeypatch, name, kind):
     def fail(*_, **__):
-        raise OSError("encoder error -2 when writing image file")
+        raise kind("encoding error 6")
 
-    target = images.prepare(tmp_path / "a.jpg", overwrite=False)
+    target = images.prepare(tmp_path / name, overwrite=False)
     monkeypatch.setattr(Image.Image, "save", fail)
-    with pytest.raises(OutputError, match="encoder error -2"):
+    with pytest.raises(OutputError, match=rf"{name}: cannot be written \(encoding error 6\)"):
         images.write(target, picture(RGB))
     assert names(tmp_path) == []
 

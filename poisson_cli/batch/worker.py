@@ -58,7 +58,7 @@ def serve(pipe: Connection, perform: Perform | None, quiet: bool) -> None:
     quiet
         Compile the solver, if it has to be, in silence.
     """
-    code = 0
+    code = errors.BUG  # if something else ends this
     try:
         # A Ctrl-C at the terminal, or its end, reaches every process there; what becomes of it the batch has to say.
         for name in ("SIGINT", "SIGHUP"):
@@ -67,22 +67,22 @@ def serve(pipe: Connection, perform: Perform | None, quiet: bool) -> None:
         signal.signal(signal.SIGTERM, _stop)
         interrupts.let_in()
         threading.Thread(target=_end_with_the_batch, name="end with the batch", daemon=True).start()
-        os.environ.setdefault(
-            "OPENBLAS_NUM_THREADS", "1"
-        )  # read when numpy is loaded; jobs are what runs in parallel
+        # Read when numpy is loaded; jobs are what runs in parallel.
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         do = _the_usual(quiet) if perform is None else perform
         pipe.send(READY)
         while True:
             task, attempts = pipe.recv()
             pipe.send(do(task, attempts))
     except (EOFError, ConnectionError):
-        pass
+        code = errors.DONE
     except errors.Terminated:
         code = errors.TERMINATED
     finally:
-        with contextlib.suppress(OSError):
-            pipe.close()
-        os._exit(code)  # at once: nothing is left to tidy up
+        try:
+            os._exit(code)  # at once: nothing is left to tidy up
+        finally:
+            os._exit(code)  # even if a signal, of which only the first is heard, comes just now
 
 
 def _the_usual(quiet: bool) -> Perform:

@@ -137,7 +137,7 @@ GIF: Final = Format(name="GIF", codec="raster", pillow="GIF", plugin="GifImagePl
 PNM: Final = Format(
     name="PNM",
     codec="pnm",
-    extensions=(".ppm", ".pgm", ".pnm", ".pbm"),
+    extensions=(".ppm", ".pgm", ".pnm"),
     depths=("8", "16"),
 )
 PFM: Final = Format(name="PFM", codec="pnm", extensions=(".pfm",), depths=("float",))

@@ -12,10 +12,11 @@ __all__ = ["Kind", "Metadata"]
 Kind = str
 """``profile``, ``exif``, ``xmp``, ``dpi`` or ``iptc``."""
 
-_XMP_ORIENTATION: Final = re.compile(rb"(tiff:Orientation(?:\s*=\s*[\"']|>)\s*)[0-9]")
-_XMP_PREVIEWS: Final = re.compile(rb"<(xmp|xap):Thumbnails\b.*?</\1:Thumbnails>", re.DOTALL)
+# Patterns, which most pictures need none of: they are compiled when one does.
+_XMP_ORIENTATION: Final = rb"(tiff:Orientation(?:\s*=\s*[\"']|>)\s*)[0-9]"
+_XMP_PREVIEWS: Final = rb"(?s)<(xmp|xap):Thumbnails\b.*?</\1:Thumbnails>"
 _XMP_SIDES: Final = tuple(
-    re.compile(rb"((?:exif:Pixel%bDimension|tiff:Image%b)(?:\s*=\s*[\"']|>)\s*)[0-9]+" % names)
+    rb"((?:exif:Pixel%bDimension|tiff:Image%b)(?:\s*=\s*[\"']|>)\s*)[0-9]+" % names
     for names in ((b"Y", b"Length"), (b"X", b"Width"))
 )
 
@@ -53,7 +54,7 @@ class Metadata(NamedTuple):
         """The same for the picture as it is written: upright, and without the previews, which are out of date."""
         xmp = self.xmp
         if xmp is not None:
-            xmp = _XMP_PREVIEWS.sub(b"", _XMP_ORIENTATION.sub(rb"\g<1>1", xmp))
+            xmp = re.sub(_XMP_PREVIEWS, b"", re.sub(_XMP_ORIENTATION, rb"\g<1>1", xmp))
         return self._replace(exif=exif_blocks.of_upright(self.exif), xmp=xmp)
 
     def of_size(self, height: int, width: int) -> Metadata:
@@ -61,5 +62,5 @@ class Metadata(NamedTuple):
         xmp = self.xmp
         if xmp is not None:
             for pattern, side in zip(_XMP_SIDES, (height, width), strict=True):
-                xmp = pattern.sub(rb"\g<1>%d" % side, xmp)
+                xmp = re.sub(pattern, rb"\g<1>%d" % side, xmp)
         return self._replace(exif=exif_blocks.of_size(self.exif, height, width), xmp=xmp)

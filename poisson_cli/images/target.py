@@ -38,6 +38,8 @@ class Target(NamedTuple):
         Whether it is a pipe or a device, or the standard output: written into, never replaced.
     quality
         Of a lossy format, 1 to 100; None leaves it to the format.
+    grey
+        Whether its name says that it is grey.
     """
 
     path: Path
@@ -46,6 +48,7 @@ class Target(NamedTuple):
     overwrite: bool = False
     stream: bool = False
     quality: int | None = None
+    grey: bool = False
 
     @property
     def name(self) -> str:
@@ -66,6 +69,10 @@ class Target(NamedTuple):
             If it has more channels than the format, longer sides, or another depth.
         """
         form = self.form
+        if self.grey and picture.pixels.ndim == 3:
+            raise OutputError(
+                f"{self.name}: a PGM is grey, and {picture.name} is {picture.layout}; name it .ppm"
+            )
         if picture.alpha is not None and not form.alpha:
             able = listed(tuple(known for known in WRITTEN if known.alpha and picture.depth in known.depths))
             raise OutputError(
@@ -123,7 +130,8 @@ def prepare(
             refuse_obstacles(path, real, overwrite=overwrite)
     except OSError as error:  # a name too long, a loop of links
         raise OutputError(f"{path}: cannot be written ({error.strerror})") from error
-    return Target(path, path if stream else real, known, overwrite, stream, quality)
+    grey = form is None and path.suffix.lower() == ".pgm"
+    return Target(path, path if stream else real, known, overwrite, stream, quality, grey)
 
 
 def format_for(path: Path, *, form: str | None = None, quality: int | None = None) -> Format:

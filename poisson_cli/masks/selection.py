@@ -128,6 +128,8 @@ def _of_empty_file(file: MaskFile, drawn: Drawn, threshold: int, canvas: Canvas)
     if 0 < drawn.strongest < threshold:
         return (
             f"the brightest pixel of a mask is {drawn.strongest}, below the threshold of {threshold} "
-            f"(lower it: --mask-threshold {drawn.strongest})"
+            f"(lower it: --mask-threshold {drawn.strongest}; or choose from a map of labels: :index={drawn.strongest})"
         )
+    if file.name.rpartition(":index=")[2].isdecimal():
+        return f"no pixel is {file.name}"
     return "no pixel of a mask is set (white selects; --invert-mask turns it round)"

@@ -93,7 +93,8 @@ def encode(picture: Picture, form: Format, quality: int | None) -> bytes:
         settings["quality"] = quality
     file = pillow.NamedBuffer()
     file.name = f"picture{form.extensions[0]}"
-    Image.fromarray(picture.pixels).save(file, **settings)
+    with pillow.encoding():
+        Image.fromarray(picture.pixels).save(file, **settings)
     return file.getvalue()
 
 

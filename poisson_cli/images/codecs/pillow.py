@@ -29,6 +29,7 @@ __all__ = [
     "NamedBuffer",
     "decode_mode",
     "eight_bits",
+    "encoding",
     "metadata_of",
     "opened",
     "orientation_of",
@@ -197,6 +198,15 @@ def _resolution(value: object) -> tuple[float, float] | None:
         return None
     fine = all(math.isfinite(number) and 0 < number < _MOST_DPI for number in (across, down))
     return (across, down) if fine else None
+
+
+@contextmanager
+def encoding() -> Iterator[None]:
+    """Turn what an encoder raises when it cannot go on into what all others raise then."""
+    try:
+        yield
+    except ValueError as error:
+        raise OSError(str(error)) from error
 
 
 class NamedBuffer(BytesIO):

@@ -96,9 +96,10 @@ def encode(picture: Picture, form: Format, quality: int | None) -> bytes:
     import imageio.v3 as iio
 
     pixels = pillow.interleaved(picture.pixels, picture.alpha)
-    data: bytes = iio.imwrite(
-        "<bytes>", pixels, plugin="pillow", extension=form.extensions[0], is_batch=False, **settings
-    )
+    with pillow.encoding():
+        data: bytes = iio.imwrite(
+            "<bytes>", pixels, plugin="pillow", extension=form.extensions[0], is_batch=False, **settings
+        )
     return data
 
 
