@@ -72,6 +72,10 @@ def decode(data: bytes, name: str) -> Picture:
         pixels, alpha = np.ascontiguousarray(pixels[..., :-1]), np.ascontiguousarray(pixels[..., -1])
     if pixels.ndim == 3 and pixels.shape[2] == 1:
         pixels = pixels[..., 0]
+    if pixels.dtype == np.float32:
+        strange = pixels.size - np.count_nonzero(np.isfinite(pixels))
+        if strange:
+            asked().notices.append(f"{name} has {strange:,} values that are NaN or infinite")
     return Picture(
         name=name, pixels=pixels, alpha=alpha, palette=decoded.palette, metadata=decoded.metadata.of_upright()
     )
