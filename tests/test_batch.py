@@ -2,6 +2,7 @@
 
 import json
 import os
+import pty
 import random
 import signal
 import subprocess
@@ -407,6 +408,47 @@ def test_stopped_and_begun_again_it_ends_as_if_nothing_had_been(folder, poisson,
                 (folder / "out" / name).unlink()
     finally:
         signal.signal(signal.SIGINT, usual)
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGKILL])
+def test_a_signal_to_all_its_processes_leaves_nothing_behind(folder, number):
+    """As a terminal, a container and a cluster's scheduler send it."""
+    usual = signal.signal(signal.SIGINT, signal.default_int_handler)
+    path = write(folder, jobs(200))
+    try:
+        process = start("batch", path.name, "-j", 2, "--report", "-", cwd=folder, group=True)
+    finally:
+        signal.signal(signal.SIGINT, usual)
+    process.stdout.readline()
+    workers = children(process.pid)
+    os.killpg(process.pid, number)
+    _, err = process.communicate()
+    wait_until(lambda: not any(map(is_alive, workers)), "workers are left")
+    codes = {signal.SIGTERM: 143, signal.SIGINT: 130, signal.SIGHUP: 129, signal.SIGKILL: -9}
+    assert process.returncode == codes[number]
+    assert "Traceback" not in err
+    assert outputs(folder).keys() <= {f"{k:03}.png" for k in range(200)}
+
+
+@pytest.mark.parametrize("heard", [True, False])
+def test_a_terminal_that_is_closed(folder, expected, heard):
+    """The batch ends; or, if it was told not to hear of that, goes on to its end in silence."""
+    path = write(folder, jobs(200 if heard else NUMBER))
+    pid, terminal = pty.fork()
+    if pid == 0:
+        os.chdir(folder)
+        signal.signal(signal.SIGHUP, signal.SIG_DFL if heard else signal.SIG_IGN)
+        os.execve(
+            POISSON[0],
+            [*POISSON, "batch", path.name, "-j", "1", "--report", "report.jsonl"],
+            {**environment(), "TERM": "xterm"},
+        )
+    wait_until(lambda: outputs(folder), "no outputs")
+    os.close(terminal)
+    _, status = os.waitpid(pid, 0)
+    _, summary = report((folder / "report.jsonl").read_text())
+    assert os.waitstatus_to_exitcode(status) == summary["exit_code"] == (129 if heard else 0)
+    assert summary["done"] < 200 if heard else outputs(folder) == expected
 
 
 # --- from Python ------------------------------------------------------------------------------------------------------

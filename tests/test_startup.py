@@ -123,10 +123,35 @@ def test_the_first_run_says_once_that_it_compiles(monkeypatch, capsys):
     monkeypatch.setattr(library, "helpers", False)
     compiling.announce(quiet=True)
     assert library.listener is None
+    monkeypatch.setattr(library, "unkept", None)
+    monkeypatch.setattr(library, "trouble", None)
     compiling.announce(quiet=False)
     library.listener("usual", None)
     library.listener("usual", 7.26)
+    library.listener("further", None)
+    library.trouble = "BuildError: no"
+    library.listener("further", 1)
+    library.unkept = "/there is not writable"
+    library.listener("usual", None)
     assert capsys.readouterr().err.splitlines() == [
         "poisson: compiling the solver for this machine; this is done once",
         "poisson: compiled in 7.3 s",
+        "poisson: compiling the solver for selections or pictures of this kind; this is done once",
+        "poisson: that failed after 1.0 s (BuildError: no); numba does it, and each run begins more slowly",
+        "poisson: compiling the solver for this machine; again at the next run, for it cannot be kept "
+        "(/there is not writable); name another folder in POISSON_CACHE_DIR",
     ]
+
+
+def test_warmup_compiles_nothing_that_it_cannot_keep(poisson, monkeypatch, tmp_path):
+    place = tmp_path / "open"
+    place.mkdir()
+    place.chmod(0o777)
+    monkeypatch.setenv("POISSON_CACHE_DIR", str(place))
+    ran = poisson("warmup")
+    assert (ran.code, ran.out) == (4, "")
+    assert ran.err == (
+        f"poisson: error: the solver is not compiled, for it cannot be kept ({place} can be written to by others); "
+        "name another folder in POISSON_CACHE_DIR\n"
+    )
+    assert not list(place.iterdir())

@@ -23,6 +23,7 @@ from contextlib import ExitStack, suppress
 from typing import TYPE_CHECKING, Any, Final
 
 from poisson_cli.batch.task import Result, Task, perform
+from poisson_cli.batch.worker import deaf
 from poisson_cli.errors import BUG, InputError, PoissonError
 
 if TYPE_CHECKING:
@@ -102,10 +103,15 @@ def _connected(scheduler: str, processes: int | None, stack: ExitStack) -> Clien
         if scheduler == LOCAL:
             from solvers.team import available_cores
 
-            with dask.config.set({"distributed.scheduler.allowed-failures": 0}):
+            # A process that is half awake would complain about a Ctrl-C.
+            with dask.config.set({"distributed.scheduler.allowed-failures": 0}), deaf():
                 cluster = stack.enter_context(
                     distributed.LocalCluster(
-                        n_workers=processes or available_cores(), threads_per_worker=1, dashboard_address=None
+                        n_workers=processes or available_cores(),
+                        threads_per_worker=1,
+                        dashboard_address=None,
+                        silence_logs=logging.CRITICAL,
+                        preload="poisson_cli.batch.undisturbed",
                     )
                 )
             client = distributed.Client(cluster, timeout=_TIMEOUT, set_as_default=False)
