@@ -11,10 +11,10 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import TYPE_CHECKING
 
+from poisson_cli import answering
+
 if TYPE_CHECKING:
-    from poisson_cli.job import Job
-    from poisson_cli.masking import MaskJob
-    from poisson_cli.settings import Reporting
+    from poisson_cli.settings import Job, MaskJob, Reporting
 
 __all__ = ["handed_over", "run"]
 
@@ -57,9 +57,11 @@ def run(jobs: Sequence[Job] | Sequence[MaskJob], reporting: Reporting) -> None:
     if collecting is not None:
         collecting += jobs
         return
-    from poisson_cli import job, progress, report
+    answering.do(_load)
+    from poisson_cli import compiling, job, progress, report
 
-    edits: list[job.Job] = []
+    compiling.announce(quiet=reporting.quiet)
+    edits: list[Job] = []
     for one in jobs:
         if isinstance(one, job.Job):
             edits.append(one)
@@ -72,3 +74,15 @@ def run(jobs: Sequence[Job] | Sequence[MaskJob], reporting: Reporting) -> None:
             summaries = job.run_together(edits, progress=watch)
         for summary in summaries:
             report.tell(summary, reporting)
+
+
+def _load() -> None:
+    """Import what the work needs; to be called on another thread, whose stack is empty.
+
+    Python keeps the frames of its calls in pieces of 16 KiB. Where the end of one falls between a function and what it
+    calls again and again, each call gets another piece from the system and gives it back. Below click's frames that
+    happened to numpy more than a thousand times, and its import took a third longer.
+    """
+    import numpy  # noqa: F401  # first, before other imports lie below it
+
+    from poisson_cli import job  # noqa: F401

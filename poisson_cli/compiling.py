@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import sys
+from typing import TYPE_CHECKING
 
-__all__ = ["announce"]
+if TYPE_CHECKING:
+    from solvers.native import Library
+
+__all__ = ["announce", "unkept"]
 
 
 def announce(*, quiet: bool) -> None:
@@ -19,15 +24,27 @@ def announce(*, quiet: bool) -> None:
     from solvers.kernels.policy import library
 
     library.helpers = True
-    library.listener = None if quiet else _say
+    library.listener = None if quiet else functools.partial(_say, library)
 
 
-def _say(volume: str, seconds: float | None) -> None:
+def unkept(reason: str) -> str:
+    """What to say where the compiled solver cannot be kept."""
+    return f"for it cannot be kept ({reason}); name another folder in POISSON_CACHE_DIR"
+
+
+def _say(library: Library, volume: str, seconds: float | None) -> None:
+    """Before compiling, and once more with the seconds that it took."""
     what = "for this machine" if volume == "usual" else "for selections or pictures of this kind"
-    text = (
-        f"compiling the solver {what}; this is done once"
-        if seconds is None
-        else f"compiled in {seconds:.1f} s"
-    )
+    if seconds is None:
+        again = (
+            "this is done once"
+            if library.unkept is None
+            else f"again at the next run, {unkept(library.unkept)}"
+        )
+        text = f"compiling the solver {what}; {again}"
+    elif library.trouble is None:
+        text = f"compiled in {seconds:.1f} s"
+    else:
+        text = f"that failed after {seconds:.1f} s ({library.trouble}); numba does it, and each run begins more slowly"
     with contextlib.suppress(OSError):  # nobody listens
         print(f"poisson: {text}", file=sys.stderr, flush=True)

@@ -89,8 +89,8 @@ def _bleeding(edit: EditReport, tinted: bool) -> str | None:
     share = edit.clipped / max(edit.unknowns * channels, 1)
     if share >= MANY_CLIPPED:
         return (
-            f"{share:.0%} of the values left the range and were clipped; --rescale weakens the gradients until none "
-            "does, --screen .001 keeps the source's own brightness"
+            f"{share:.0%} of the values left the range and were clipped; --rescale fits them in, "
+            "--screen .001 keeps the source's own brightness"
         )
     return None
 
@@ -100,11 +100,13 @@ def _weakened(edit: EditReport, guarded: bool) -> str | None:
     if edit.scale >= MUCH_WEAKER:
         return None
     if edit.tool == "focus":
-        remedy = "choose a smaller --amount"
-    else:
-        could = [] if guarded or edit.tool not in _AGAINST_MISMATCH else ["--screen .001"]
-        could += [] if edit.space == "lab" else ["--space lab"]
-        remedy = f"try {' or '.join(could)} instead" if could else "leave --rescale out"
+        return (
+            f"--rescale weakened the gradients to {edit.scale:.0%} of what was asked for, since the picture has no "
+            "room for more; choose a smaller --amount"
+        )
+    could = [] if guarded or edit.tool not in _AGAINST_MISMATCH else ["--screen .001"]
+    could += [] if edit.space == "lab" else ["--space lab"]
+    remedy = f"try {' or '.join(could)} instead" if could else "leave --rescale out"
     return f"--rescale weakened the gradients to {edit.scale:.0%}, which leaves a ghost; {remedy}"
 
 
@@ -112,4 +114,7 @@ def _textureless(edit: EditReport) -> str | None:
     """What to do where a flattening kept nothing."""
     if edit.edge_share != 0:
         return None
-    return "there is no edge in the selection, so that all detail is gone; lower --high and --low"
+    return (
+        "there is no edge in the selection, so that all detail is gone; lower --high and --low, or mark edges where "
+        "it is to stay"
+    )

@@ -6,15 +6,17 @@ take its name comes too late: what is left to do takes no time, and the run ends
 
 from __future__ import annotations
 
+import contextlib
 import signal
 import threading
 import time
+from collections.abc import Iterator
 from types import FrameType
 from typing import Final
 
 from poisson_cli.errors import HungUp, Terminated
 
-__all__ = ["finishing", "listen"]
+__all__ = ["finishing", "held", "let_in", "listen"]
 
 finishing: Final = threading.Event()
 """Set when the output is about to take its name; a signal has no effect any more."""
@@ -46,3 +48,31 @@ def listen() -> None:
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, stop)
+
+
+@contextlib.contextmanager
+def held() -> Iterator[None]:
+    """Hear of a signal that comes meanwhile only at the end; threads and processes that are started meanwhile never do.
+
+    Only if no other thread can hear it. So whoever starts one should hold signals while doing so.
+    """
+    if not hasattr(
+        signal, "pthread_sigmask"
+    ):  # Windows, where a Ctrl-C in between is the worst that can happen
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, _numbers())
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def let_in() -> None:
+    """Hear of signals again, in a process that was started while they were held."""
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, _numbers())
+
+
+def _numbers() -> list[int]:
+    return [getattr(signal, name) for name in _KINDS if hasattr(signal, name)]

@@ -1,19 +1,17 @@
 """One edit from files to a file: read, select, edit, write.
 
-A `Job` is plain data, so whatever can build one can run one: a subcommand from its options today, a line of a manifest
-just as well. Nothing is printed here.
+A `Job` is plain data (`poisson_cli.settings`), so whatever can build one can run one: a subcommand from its options, a
+line of a manifest just as well. Nothing is printed here.
 """
 
 from __future__ import annotations
 
-import dataclasses
 import functools
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,63 +19,21 @@ from numpy.typing import NDArray
 from poisson_cli import answering, editing, images, interrupts, steps
 from poisson_cli.errors import InputError
 from poisson_cli.images import Asking, Depth, Picture, Target
+from poisson_cli.images.depth import DTYPES
 from poisson_cli.masks import Canvas, leave_out_transparent, select
-from poisson_cli.settings import Edges, Inputs, Output, Placement, Selection, Solver, Then
+from poisson_cli.settings import Edges, Job
 
 __all__ = ["Job", "Progress", "Summary", "outputs", "run", "run_together"]
 
 Progress = Callable[[int, float], None]
 """Called as the solver goes, with the cycles or sweeps so far and the estimated error in levels."""
 
-
-@dataclass(frozen=True)
-class Job:
-    """What to do with which files.
-
-    Parameters
-    ----------
-    tool
-        Name of a function in `poisson_cli.editing`.
-    destination
-        The picture that is edited.
-    output
-        Where the result goes.
-    selection
-        Which pixels; None for a tool that edits the whole picture.
-    source
-        The picture whose gradients are cloned; None for a tool that needs none.
-    placement
-        Where the source lies; of no effect without one.
-    solver
-        How the equations are solved.
-    then
-        What is done to the gradients that are imported, for a tool that imports any; None for the others.
-    edges
-        Where the edges of the picture are, for a tool that flattens it; None for the others.
-    preview
-        Where to write the result three times three, side by side; None for nowhere.
-    inputs
-        How all the pictures are read.
-    parameters
-        Further keywords of the tool.
-    """
-
-    tool: str
-    destination: Path
-    output: Output
-    selection: Selection | None = None
-    source: Path | None = None
-    placement: Placement = Placement()
-    solver: Solver = Solver()
-    then: Then | None = None
-    edges: Edges | None = None
-    preview: Path | None = None
-    inputs: Inputs = Inputs()
-    parameters: Mapping[str, Any] = field(default_factory=dict)
+_OF_ANY_RANGE: Final = frozenset({"tonemap"})
+"""Tools that bring any range into 0 to 1: if a smaller depth is asked for, what they make is converted, and not what
+they are given, which would be cut off first."""
 
 
-@dataclass(frozen=True)
-class Summary:
+class Summary(NamedTuple):
     """What was done.
 
     Parameters
@@ -107,7 +63,7 @@ class Summary:
     output: Path
     seconds: Mapping[str, float]
     profile_dropped: bool
-    beside: Mapping[str, Path] = field(default_factory=dict)
+    beside: Mapping[str, Path] = {}
     guarded: bool = False
     tinted: bool = False
     notices: tuple[str, ...] = ()
@@ -236,10 +192,11 @@ def _read(job: Job, targets: Mapping[str, Target], seconds: dict[str, float], as
     """Read the pictures."""
     with _timed(seconds, "read"):
         destination = images.read(job.destination)
-        if job.output.bit_depth is not None:
-            destination = _in_depth(destination, job.output.bit_depth, "as asked for", asking)
+        wanted = job.output.bit_depth
+        if wanted is not None and (job.tool not in _OF_ANY_RANGE or _is_finer(wanted, destination.depth)):
+            destination = _in_depth(destination, wanted, "as asked for", asking)
         for what in targets.keys() & {"result", "preview"}:
-            targets[what].check_fits(destination)
+            targets[what].check_fits(_stand_in(destination, wanted))
         return _Inputs(destination, None if job.source is None else _read_source(job, destination, asking))
 
 
@@ -250,10 +207,10 @@ def _make(
     destination, source = inputs
     tool: Callable[..., editing.Edit] = getattr(editing, job.tool)
     arrays: list[NDArray[Any]] = [picture.pixels for picture in inputs if picture is not None]
-    keywords = {**dataclasses.asdict(job.solver), "progress": progress, **job.parameters}
+    keywords = {**job.solver._asdict(), "progress": progress, **job.parameters}
     n_selected: int | None = None
     if source is not None:
-        keywords |= dataclasses.asdict(job.placement)
+        keywords |= job.placement._asdict()
     if job.selection is not None:
         with _timed(seconds, "select"):
             selected = select(job.selection, _canvas(job, destination, source))
@@ -276,7 +233,9 @@ def _make(
         keywords |= sieve
     edit = answering.do(functools.partial(tool, *arrays, **keywords))
     seconds |= edit.report.seconds
-    result = dataclasses.replace(destination, pixels=edit.image, alpha=_alpha(job, destination))
+    result = destination._replace(pixels=edit.image, alpha=_alpha(job, destination))
+    if job.output.bit_depth is not None:
+        result = _in_depth(result, job.output.bit_depth, "as asked for", asking)
     pictures = {"result": result}
     if edges is not None and sieve is not None and edges.show is not None:
         pictures["edges"] = Picture(str(edges.show), steps.drawn_edges(edges_of, **sieve))
@@ -304,8 +263,7 @@ def _alpha(job: Job, destination: Picture) -> NDArray[Any] | None:
 
 def _three_times_three(picture: Picture) -> Picture:
     """A picture side by side with itself, to see whether it tiles."""
-    return dataclasses.replace(
-        picture,
+    return picture._replace(
         pixels=np.tile(picture.pixels, (3, 3, 1)[: picture.pixels.ndim]),
         alpha=None if picture.alpha is None else np.tile(picture.alpha, (3, 3)),
     )
@@ -371,6 +329,21 @@ def _in_depth(picture: Picture, depth: Depth, why: str, asking: Asking) -> Pictu
         notice += f"; {lost.undefined:,} values that are no numbers become 0"
     asking.notices.append(notice)
     return converted
+
+
+def _is_finer(depth: Depth, other: Depth) -> bool:
+    """Whether one depth holds all values of another, and more."""
+    order: tuple[Depth, ...] = ("8", "16", "float")
+    return order.index(depth) > order.index(other)
+
+
+def _stand_in(picture: Picture, depth: Depth | None) -> Picture:
+    """A picture of that size and depth that holds no values: for what must be known before there is one."""
+    if depth is None:
+        return picture
+    nothing = DTYPES[depth].type(0)
+    alpha = None if picture.alpha is None else np.broadcast_to(nothing, picture.alpha.shape)
+    return picture._replace(pixels=np.broadcast_to(nothing, picture.pixels.shape), alpha=alpha)
 
 
 def _canvas(job: Job, destination: Picture, source: Picture | None) -> Canvas:

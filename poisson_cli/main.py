@@ -7,10 +7,11 @@ itself needs.
 from __future__ import annotations
 
 import contextlib
+import errno
 import importlib
 import os
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import click
 
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 __all__ = ["cli", "main", "run"]
+
+
+_NO_ROOM: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 
 
 class _CommandFolder(click.Group):
@@ -86,6 +90,10 @@ def run(argv: Sequence[str]) -> int:
     except BrokenPipeError:
         return errors.BROKEN_PIPE
     except Exception as error:
+        if isinstance(error, OSError) and error.errno in _NO_ROOM and error.filename is None:
+            # Files have been seen to by whoever wrote them, so it is what is printed that finds no room.
+            silence(sys.stdout)
+            error = errors.OutputError(f"standard output: cannot be written ({error.strerror})")
         code, message = errors.verdict(error)
         if isinstance(error, (errors.PoissonError, MemoryError)):
             _print_error(message)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import dataclasses
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,38 +11,12 @@ from poisson_cli import images, interrupts
 from poisson_cli.errors import OutputError
 from poisson_cli.images import Picture
 from poisson_cli.masks import Canvas, select, show
-from poisson_cli.settings import Inputs, Output, Selection
+from poisson_cli.settings import MaskJob
 
 __all__ = ["MaskJob", "MaskSummary", "run"]
 
 
-@dataclass(frozen=True)
-class MaskJob:
-    """What to select, and where to write it.
-
-    Parameters
-    ----------
-    image
-        The picture that it is drawn on.
-    selection
-        Which pixels.
-    output
-        Where to write it.
-    over
-        Show it on the picture, instead of writing a mask of 0 and 255.
-    inputs
-        How pictures are read.
-    """
-
-    image: Path
-    selection: Selection
-    output: Output
-    over: bool = False
-    inputs: Inputs = Inputs()
-
-
-@dataclass(frozen=True)
-class MaskSummary:
+class MaskSummary(NamedTuple):
     """What was selected.
 
     Parameters
@@ -86,7 +59,7 @@ def run(job: MaskJob, before_commit: images.Committing = interrupts.finishing.se
     target = images.prepare(
         output.path, overwrite=output.overwrite, form=output.format, quality=output.quality
     )
-    if not over and not target.form.exact:
+    if not over and (not target.form.exact or output.quality is not None):
         raise OutputError(
             f"{output.path}: {target.form.name} would blur the mask; choose another format, such as PNG"
         )
@@ -98,7 +71,7 @@ def run(job: MaskJob, before_commit: images.Committing = interrupts.finishing.se
     if over:
         metadata = picture.metadata
         if picture.pixels.ndim == 2:  # grey becomes RGB, which a profile for one channel says nothing about
-            metadata = dataclasses.replace(metadata, profile=None)
+            metadata = metadata._replace(profile=None)
         shown = Picture(picture.name, show(picture.in_8_bits().pixels, mask), metadata=metadata)
     else:
         shown = Picture(picture.name, np.where(mask, np.uint8(255), np.uint8(0)))

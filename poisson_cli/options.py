@@ -19,16 +19,18 @@ from poisson_cli.params import (
     COUNT,
     EIGHT_BIT,
     ELLIPSE,
+    FACTOR,
+    FACTOR_ABOVE_0,
     FILE,
     LASSO,
     MASK,
     NOT_NEGATIVE,
-    NUMBER,
     POINT,
     POLYGON,
     POSITIVE,
     QUALITY,
     RECTANGLE,
+    within,
 )
 
 if TYPE_CHECKING:
@@ -330,14 +332,15 @@ space: Final = click.option(
     type=click.Choice(["rgb", "linear", "lab"]),
     default="rgb",
     show_default=True,
-    help="Values to work on: as they are stored, linear light, or CIE-Lab.",
+    help="Values to work on: as they are stored, linear light, or CIE-Lab; the last two take what is stored to be "
+    "sRGB.",
 )
 
 rescale: Final = click.option(
     "--rescale",
     is_flag=True,
-    help="Where values would leave the range, weaken the gradients inside the selection until none does, rather than "
-    "clip.",
+    help="Fit the selection into the range of the picture, rather than clip it: colours there lose some saturation if "
+    "they must, and gradients are weakened until the brightness fits.",
 )
 
 screen: Final = click.option(
@@ -362,7 +365,7 @@ bleeding: Final = _several(
 relight: Final = _several(
     click.option(
         "--alpha",
-        type=POSITIVE,
+        type=FACTOR_ABOVE_0,
         metavar="F",
         default=defaults.ALPHA,
         show_default=True,
@@ -370,11 +373,11 @@ relight: Final = _several(
     ),
     click.option(
         "--beta",
-        type=NUMBER,
+        type=within(-1, 1),
         metavar="F",
         default=defaults.BETA,
         show_default=True,
-        help="How much so: 0 is not at all; a negative number does the reverse.",
+        help="How much so, from -1 to 1: 0 is not at all; a negative number does the reverse.",
     ),
 )
 
@@ -458,7 +461,7 @@ then: Final = _bundle(
         *_edge_options("source"),
         click.option(
             "--focus",
-            type=NOT_NEGATIVE,
+            type=FACTOR,
             metavar="F",
             help="Multiply the imported gradients: above 1 sharper, below 1 paler.",
         ),
@@ -566,9 +569,9 @@ inputs: Final = _bundle(
 
 def _output(path: Path, **choices: Any) -> Output:
     from poisson_cli.settings import Output
-    from poisson_cli.streams import STANDARD
+    from poisson_cli.streams import is_standard_output
 
-    if str(path) == STANDARD and click.get_current_context().params.get("json"):
+    if is_standard_output(path) and click.get_current_context().params.get("json"):
         raise click.UsageError(
             "--json prints on the standard output, where the picture goes: name a file with -o."
         )
@@ -639,12 +642,10 @@ outputs: Final = _bundle(
 
 
 def _reporting(quiet: bool, verbose: bool, json: bool) -> Reporting:
-    from poisson_cli import compiling
     from poisson_cli.settings import Reporting
 
     if quiet and verbose:
         raise click.UsageError("--quiet and --verbose contradict each other.")
-    compiling.announce(quiet=quiet)
     return Reporting(quiet=quiet, verbose=verbose, json=json)
 
 

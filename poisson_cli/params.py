@@ -20,7 +20,9 @@ __all__ = [
     "COUNT",
     "EIGHT_BIT",
     "ELLIPSE",
+    "FACTOR",
     "FACTORS",
+    "FACTOR_ABOVE_0",
     "FILE",
     "LASSO",
     "MASK",
@@ -35,7 +37,11 @@ __all__ = [
     "SIZE",
     "is_file",
     "separators",
+    "within",
 ]
+
+LARGEST_FACTOR: Final = 1000
+"""Of what multiplies colours or gradients; that of the tools."""
 
 _INTEGER: Final = re.compile(r"[+-]?[0-9]{1,9}")
 """At most nine digits: any picture fits, and no sum or product of two of them leaves 64 bits."""
@@ -203,8 +209,18 @@ class _Number(click.ParamType):  # type: ignore[type-arg]
         return number
 
 
+def within(low: float, high: float, *, above_low: bool = False) -> _Number:
+    """Numbers in a range: from `low`, or above it, to `high`.
+
+    Those are the bounds that the tools have; said here, they are seen before anything is read.
+    """
+    if above_low:
+        return _Number(f" greater than {low:g} and at most {high:g}", lambda number: low < number <= high)
+    return _Number(f" from {low:g} to {high:g}", lambda number: low <= number <= high)
+
+
 class _Factors(click.ParamType):  # type: ignore[type-arg]
-    """``R,G,B``: a factor of at least 0 for each colour."""
+    """``R,G,B``: a factor from 0 to 1000 for each colour."""
 
     name = "R,G,B"
     separators = (",",)
@@ -218,8 +234,12 @@ class _Factors(click.ParamType):  # type: ignore[type-arg]
         if isinstance(value, tuple):
             return value
         factors = [_finite(field) for field in value.split(",")]
-        if len(factors) != 3 or not all(factor >= 0 for factor in factors):
-            self.fail(f"{value!r} is not R,G,B: three numbers, 0 or more, for example 1.5,.5,.5", param, ctx)
+        if len(factors) != 3 or not all(0 <= factor <= LARGEST_FACTOR for factor in factors):
+            self.fail(
+                f"{value!r} is not R,G,B: three numbers from 0 to {LARGEST_FACTOR:g}, for example 1.5,.5,.5",
+                param,
+                ctx,
+            )
         red, green, blue = factors
         return red, green, blue
 
@@ -280,6 +300,8 @@ LASSO: Final = _Polygon("nonzero")
 EIGHT_BIT: Final = _Between(1, 255)
 QUALITY: Final = _Between(1, 100)
 COUNT: Final = _Between(1, 999_999_999)
+FACTOR: Final = within(0, LARGEST_FACTOR)
+FACTOR_ABOVE_0: Final = within(0, LARGEST_FACTOR, above_low=True)
 NUMBER: Final = _Number("", lambda number: not math.isnan(number))
 NOT_NEGATIVE: Final = _Number(", 0 or greater", lambda number: number >= 0)
 POSITIVE: Final = _Number(" greater than 0", lambda number: number > 0)

@@ -9,6 +9,7 @@ import math
 import sys
 from typing import TYPE_CHECKING, Any, TextIO
 
+from poisson_cli.errors import OutputError
 from poisson_cli.hints import hints
 from poisson_cli.streams import STANDARD, printable, silence
 
@@ -26,7 +27,8 @@ __all__ = ["as_dict", "details", "line", "mask_as_dict", "mask_line", "tell", "t
 def tell(summary: Summary, reporting: Reporting) -> None:
     """Say what was done, as much of it as was asked for.
 
-    The result is on the disk by now, so nobody listening any more is no failure.
+    The result is on the disk by now, so nobody listening any more is no failure. A report in JSON that finds no room is
+    one: whoever reads it later would miss it.
 
     Parameters
     ----------
@@ -44,9 +46,7 @@ def tell(summary: Summary, reporting: Reporting) -> None:
         for hint in hints(summary):
             _print(f"poisson: hint: {hint}", sys.stderr)
     if reporting.json:
-        import json
-
-        _print(json.dumps(as_dict(summary)), sys.stdout)
+        _print_report(as_dict(summary))
 
 
 def tell_mask(summary: MaskSummary, reporting: Reporting) -> None:
@@ -64,9 +64,7 @@ def tell_mask(summary: MaskSummary, reporting: Reporting) -> None:
             _print(f"poisson: note: {printable(notice)}", sys.stderr)
         _print(mask_line(summary), sys.stderr)
     if reporting.json:
-        import json
-
-        _print(json.dumps(mask_as_dict(summary)), sys.stdout)
+        _print_report(mask_as_dict(summary))
 
 
 def _print(text: str, stream: TextIO) -> None:
@@ -74,6 +72,21 @@ def _print(text: str, stream: TextIO) -> None:
         print(text, file=stream, flush=True)
     except OSError:  # nobody reads it, or there is no room for it
         silence(stream)
+
+
+def _print_report(report: dict[str, Any]) -> None:
+    import json
+
+    try:
+        print(json.dumps(report), flush=True)
+    except BrokenPipeError:
+        silence(sys.stdout)
+    except OSError as error:
+        silence(sys.stdout)
+        reason = error.strerror or error
+        raise OutputError(
+            f"standard output: the report cannot be written ({reason}), but {report['output']} was"
+        ) from error
 
 
 def line(summary: Summary) -> str:

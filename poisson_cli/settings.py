@@ -2,13 +2,16 @@
 
 The command line builds them in `options`; anything else that describes an edit (a manifest, a test) builds the same
 ones. They hold no arrays, open no files and import nothing heavy. Axes are rows and columns here; X,Y ends in `params`.
+
+They are named tuples, here and wherever else a command needs plain values to start: `dataclasses` writes and compiles
+six functions for each frozen class, which takes five times as long, and there are dozens of them.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from poisson_cli import defaults
 
@@ -20,7 +23,9 @@ __all__ = [
     "Grow",
     "How",
     "Inputs",
+    "Job",
     "MaskFile",
+    "MaskJob",
     "Output",
     "Placement",
     "Polygon",
@@ -42,15 +47,13 @@ class Rectangle(NamedTuple):
     width: int
 
 
-@dataclass(frozen=True, slots=True)
-class Ellipse:
+class Ellipse(NamedTuple):
     """The ellipse that touches the four sides of a rectangle."""
 
     box: Rectangle
 
 
-@dataclass(frozen=True, slots=True)
-class Polygon:
+class Polygon(NamedTuple):
     """What a closed line encloses.
 
     Parameters
@@ -67,8 +70,7 @@ class Polygon:
     rule: Literal["even-odd", "nonzero"] = "even-odd"
 
 
-@dataclass(frozen=True, slots=True)
-class MaskFile:
+class MaskFile(NamedTuple):
     """A file that says which pixels.
 
     Parameters
@@ -88,16 +90,14 @@ How = Literal["add", "subtract", "intersect"]
 """What an area does to what is selected so far: join it, be taken away from it, or keep only what lies in both."""
 
 
-@dataclass(frozen=True, slots=True)
-class Combine:
+class Combine(NamedTuple):
     """A step of a selection: what an area does to what is selected so far."""
 
     area: Area
     how: How = "add"
 
 
-@dataclass(frozen=True, slots=True)
-class Grow:
+class Grow(NamedTuple):
     """A step of a selection: move the border of what is selected so far.
 
     Parameters
@@ -110,8 +110,7 @@ class Grow:
     pixels: int
 
 
-@dataclass(frozen=True, slots=True)
-class Placement:
+class Placement(NamedTuple):
     """Where the source lies on the destination, and which of the two the selection was drawn on.
 
     Parameters
@@ -126,8 +125,7 @@ class Placement:
     mask_on: Literal["source", "destination"] = "source"
 
 
-@dataclass(frozen=True, slots=True)
-class Selection:
+class Selection(NamedTuple):
     """Which pixels to edit: steps, done in order beginning with nothing selected, and inverted last if asked.
 
     Parameters
@@ -156,8 +154,7 @@ class Selection:
     threshold: int = defaults.THRESHOLD
 
 
-@dataclass(frozen=True, slots=True)
-class Solver:
+class Solver(NamedTuple):
     """How the equations are solved; the fields are the keywords of the functions in `poisson_cli.editing`.
 
     Parameters
@@ -184,8 +181,7 @@ class Solver:
     certify: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Edges:
+class Edges(NamedTuple):
     """Where edges are, for a flattening.
 
     Parameters
@@ -205,16 +201,14 @@ class Edges:
     show: Path | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Relight:
+class Relight(NamedTuple):
     """How strongly gradients are evened out, eq. (16); the fields are those of `poisson_cli.editing.Attenuate`."""
 
     alpha: float = defaults.ALPHA
     beta: float = defaults.BETA
 
 
-@dataclass(frozen=True, slots=True)
-class Then:
+class Then(NamedTuple):
     """What else is done to the gradients that a clone imports, in this order; None is nothing.
 
     Parameters
@@ -232,8 +226,7 @@ class Then:
     relight: Relight | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Inputs:
+class Inputs(NamedTuple):
     """How pictures are read, all of them alike.
 
     Parameters
@@ -248,8 +241,7 @@ class Inputs:
     max_pixels: int = defaults.MAX_PIXELS
 
 
-@dataclass(frozen=True, slots=True)
-class Output:
+class Output(NamedTuple):
     """Where the result goes, and as what.
 
     Parameters
@@ -273,8 +265,7 @@ class Output:
     quality: int | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Reporting:
+class Reporting(NamedTuple):
     """How much a run says about itself.
 
     Parameters
@@ -290,3 +281,72 @@ class Reporting:
     quiet: bool = False
     verbose: bool = False
     json: bool = False
+
+
+class Job(NamedTuple):
+    """What to do with which files.
+
+    Parameters
+    ----------
+    tool
+        Name of a function in `poisson_cli.editing`.
+    destination
+        The picture that is edited.
+    output
+        Where the result goes.
+    selection
+        Which pixels; None for a tool that edits the whole picture.
+    source
+        The picture whose gradients are cloned; None for a tool that needs none.
+    placement
+        Where the source lies; of no effect without one.
+    solver
+        How the equations are solved.
+    then
+        What is done to the gradients that are imported, for a tool that imports any; None for the others.
+    edges
+        Where the edges of the picture are, for a tool that flattens it; None for the others.
+    preview
+        Where to write the result three times three, side by side; None for nowhere.
+    inputs
+        How all the pictures are read.
+    parameters
+        Further keywords of the tool.
+    """
+
+    tool: str
+    destination: Path
+    output: Output
+    selection: Selection | None = None
+    source: Path | None = None
+    placement: Placement = Placement()
+    solver: Solver = Solver()
+    then: Then | None = None
+    edges: Edges | None = None
+    preview: Path | None = None
+    inputs: Inputs = Inputs()
+    parameters: Mapping[str, Any] = {}
+
+
+class MaskJob(NamedTuple):
+    """What to select, and where to write it.
+
+    Parameters
+    ----------
+    image
+        The picture that it is drawn on.
+    selection
+        Which pixels.
+    output
+        Where to write it.
+    over
+        Show it on the picture, instead of writing a mask of 0 and 255.
+    inputs
+        How pictures are read.
+    """
+
+    image: Path
+    selection: Selection
+    output: Output
+    over: bool = False
+    inputs: Inputs = Inputs()

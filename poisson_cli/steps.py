@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from pathlib import Path
 from typing import Any
 
@@ -53,7 +52,7 @@ def transforms(then: Then, sieve: dict[str, Any] | None) -> list[editing.Transfo
     if then.focus is not None:
         steps.append(editing.Scale(then.focus))
     if then.relight is not None:
-        steps.append(editing.Attenuate(**dataclasses.asdict(then.relight)))
+        steps.append(editing.Attenuate(**then.relight._asdict()))
     return steps
 
 

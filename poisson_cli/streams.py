@@ -3,13 +3,36 @@
 from __future__ import annotations
 
 import os
+import stat
 import sys
-from typing import Final, TextIO
+from typing import TYPE_CHECKING, Final, TextIO
 
-__all__ = ["STANDARD", "complete", "missing", "printable", "silence"]
+if TYPE_CHECKING:
+    from pathlib import Path
+
+__all__ = ["STANDARD", "complete", "is_standard_output", "missing", "printable", "silence"]
 
 STANDARD: Final = "-"
 """Path that stands for the standard input or output; a file of that name is given by its whole path."""
+
+
+def is_standard_output(path: Path) -> bool:
+    """Whether a path stands for the standard output: ``-``, or a name of it such as ``/dev/stdout``.
+
+    Opened by such a name, a file is written from its beginning, over what others have written there.
+    """
+    if str(path) == STANDARD:
+        return True
+    if not str(path).startswith(("/dev/", "/proc/")):
+        return False
+    folder = os.path.realpath(path.parent)
+    if folder not in ("/dev", "/dev/fd") and not (folder.startswith("/proc/") and folder.endswith("/fd")):
+        return False
+    try:
+        there = path.stat()
+        return not stat.S_ISCHR(there.st_mode) and os.path.samestat(there, os.fstat(1))
+    except OSError:  # there is no such name, or no standard output
+        return False
 
 
 def complete() -> None:

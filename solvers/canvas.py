@@ -7,8 +7,7 @@ between one step and the next.  A `Canvas` does that; `Arrays` is the canvas of 
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import Any, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +20,7 @@ BAND = (
 FEWEST_ROWS = 16  # in a band: the rows above and below it, which are read twice, must stay few beside it
 
 
-@dataclass(frozen=True)
-class Equations:
+class Equations(NamedTuple):
     """The numbers in the equations of a band of rows.
 
     Attributes
@@ -49,8 +47,7 @@ class Equations:
     rhs: Values | None = None
 
 
-@dataclass(frozen=True)
-class Rim:
+class Rim(NamedTuple):
     """All that the equations of an image hold, where the first guess and v are zero.
 
     Attributes

@@ -1,7 +1,7 @@
 """The equations to solve: what every solver takes, validated once."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,8 +19,7 @@ class OptionError(ValueError):
     """An option of a solver makes no sense."""
 
 
-@dataclass(frozen=True)
-class Guidance:
+class Guidance(NamedTuple):
     """A guidance field v, given on pixel pairs; v_qp = -v_pq.
 
     Attributes

@@ -63,8 +63,8 @@ def environment() -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": str(ROOT)}
 
 
-def start(*words: object, cwd: Path) -> subprocess.Popen[str]:
-    """The program as a process of its own."""
+def start(*words: object, cwd: Path, group: bool = False) -> subprocess.Popen[str]:
+    """The program as a process of its own, and if asked for leader of a group of processes."""
     return subprocess.Popen(
         [*POISSON, *map(str, words)],
         cwd=cwd,
@@ -72,6 +72,7 @@ def start(*words: object, cwd: Path) -> subprocess.Popen[str]:
         stderr=subprocess.PIPE,
         text=True,
         env=environment(),
+        start_new_session=group,
     )
 
 

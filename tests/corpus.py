@@ -52,6 +52,7 @@ ROLES = {
     "mask of mask": "mask plain.png -m {file} --grow 2",
 }
 COMMON = ["-o", "out.tif"]
+PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
 
 class Outcome(NamedTuple):
@@ -116,14 +117,31 @@ def truncated(data: bytes) -> Iterator[tuple[str, bytes]]:
 
 
 def flipped(data: bytes, count: int, seed: int = 0) -> Iterator[tuple[str, bytes]]:
-    """Some bits the other way round; most of what can go wrong is in the first bytes."""
+    """Some bits the other way round; most of what can go wrong is in the first bytes.
+
+    A PNG has its checksums put right in half of the cases, since else nobody looks behind them.
+    """
     rng = np.random.default_rng([seed, zlib.crc32(data)])
     for number in range(count):
         damaged = bytearray(data)
         reach = len(data) if number % 3 == 0 else min(len(data), 400)
         for place in rng.integers(0, reach, rng.integers(1, 9)):
             damaged[place] ^= 1 << rng.integers(8)
-        yield f"flip {number}", bytes(damaged)
+        right = data.startswith(PNG_SIGNATURE) and number % 2
+        yield f"flip {number}", checked(bytes(damaged)) if right else bytes(damaged)
+
+
+def checked(data: bytes) -> bytes:
+    """A PNG whose blocks have the checksums that belong to them, as far as there are blocks."""
+    blocks, place = [PNG_SIGNATURE], 8
+    while place + 12 <= len(data):
+        (length,) = struct.unpack_from(">I", data, place)
+        if place + 12 + length > len(data):
+            break
+        block = data[place + 4 : place + 8 + length]
+        blocks.append(struct.pack(">I", length) + block + struct.pack(">I", zlib.crc32(block)))
+        place += 12 + length
+    return b"".join(blocks) + data[place:]
 
 
 def _png(width: int, height: int, depth: int = 8, colour: int = 2) -> bytes:
@@ -132,7 +150,7 @@ def _png(width: int, height: int, depth: int = 8, colour: int = 2) -> bytes:
 
     header = struct.pack(">IIBBBBB", width, height, depth, colour, 0, 0, 0)
     body = chunk(b"IDAT", zlib.compress(bytes(1000)))
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + body + chunk(b"IEND", b"")
+    return PNG_SIGNATURE + chunk(b"IHDR", header) + body + chunk(b"IEND", b"")
 
 
 def _tiff(width: int, height: int, **settings: object) -> bytes:
@@ -158,6 +176,21 @@ def _jpeg(width: int, height: int, progressive: bool) -> bytes:
 def _gif(width: int, height: int) -> bytes:
     data = bytearray(kinds.pillow(kinds.Image.fromarray(kinds.GREY), "GIF"))
     data[6:10] = struct.pack("<HH", width, height)
+    return bytes(data)
+
+
+def _gif_with_little_in_it(width: int, height: int) -> bytes:
+    """A frame that is large enough to make the claim believable by the length of the file, if nobody looks at it."""
+    data = bytearray(kinds.pillow(kinds.Image.fromarray(np.tile(kinds.GREY, (20, 20))), "GIF"))
+    data[6:10] = struct.pack("<HH", width, height)
+    return bytes(data)
+
+
+def _animation(width: int, height: int) -> bytes:
+    """A WebP of two small frames on a large canvas."""
+    frames = [kinds.Image.fromarray(kinds.RGB[::step]) for step in (1, -1)]
+    data = bytearray(kinds.pillow(frames[0], "WEBP", save_all=True, append_images=frames[1:], lossless=True))
+    data[24:30] = (width - 1).to_bytes(3, "little") + (height - 1).to_bytes(3, "little")
     return bytes(data)
 
 
@@ -189,6 +222,11 @@ BOMBS = {
         "progressive JPEG": lambda w, h: _jpeg(w, h, True),
         "GIF": _gif,
     }.items()
+}
+BOMBS |= {
+    "GIF with little in it, 22000x22000": _gif_with_little_in_it(22_000, 22_000),
+    "WebP with little in it, 16383x16383": _animation(16_383, 16_383),
+    "TIFF, JPEG, 22000x22000": _tiff(22_000, 22_000, compression="jpeg"),
 }
 """Files that claim far more pixels than they hold."""
 

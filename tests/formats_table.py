@@ -13,7 +13,7 @@ from poisson_cli.images import formats
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "formats.md"
 BEGIN, END = "<!-- tables: made by python -m tests.formats_table -->\n", "<!-- end of tables -->"
 DEPTHS = {"8": "8 bits", "16": "16 bits", "float": "floats"}
-LABELS = {"profile": "ICC profile", "exif": "EXIF", "xmp": "XMP", "dpi": "dpi"}
+LABELS = {"profile": "ICC profile", "exif": "EXIF", "xmp": "XMP", "dpi": "dpi", "iptc": "IPTC"}
 
 
 def written() -> str:

@@ -78,15 +78,20 @@ def opencv(ending: str, pixels: np.ndarray, *settings: int) -> bytes:
 
 
 def png(
-    depth: int, colour: int, rows: np.ndarray, *extra: tuple[bytes, bytes], interlaced: bool = False
+    depth: int,
+    colour: int,
+    rows: np.ndarray,
+    *extra: tuple[bytes, bytes],
+    interlaced: bool = False,
+    width: int | None = None,
 ) -> bytes:
-    """A PNG by hand: `rows` are the bytes of each row."""
+    """A PNG by hand: `rows` are the bytes of each row, which say how many pixels there are unless `width` does."""
 
     def chunk(name: bytes, data: bytes) -> bytes:
         return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
 
     samples = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}[colour]
-    width = rows.shape[1] * 8 // (depth * samples)
+    width = width or rows.shape[1] * 8 // (depth * samples)
     header = struct.pack(">IIBBBBB", width, rows.shape[0], depth, colour, 0, 0, interlaced)
     if interlaced:
         step = depth * samples // 8
@@ -192,6 +197,55 @@ def planar(pixels: np.ndarray) -> np.ndarray:
 
 STRAIGHT = {"extrasamples": ["unassalpha"]}
 
+
+def low_bits(pixels: np.ndarray, bits: int) -> np.ndarray:
+    """The bytes of each row of numbers of fewer than eight bits."""
+    ones = pixels[..., np.newaxis] >> np.arange(bits - 1, -1, -1) & 1
+    return np.packbits(ones.reshape(pixels.shape[0], -1).astype(np.uint8), axis=1)
+
+
+def _grey_of_few_bits(bits: int) -> Kind:
+    """A PNG of which one value is transparent."""
+    most = (1 << bits) - 1
+    pixels = GREY & most
+    value = int(pixels[5, 7])
+    data = png(bits, 0, low_bits(pixels, bits), (b"tRNS", struct.pack(">H", value)), width=WIDTH)
+    return Kind(data, scaled(pixels, most, 255), np.where(pixels == value, 0, 255).astype(np.uint8))
+
+
+def _transparent_colour_of_8_bits() -> Kind:
+    colour = RGB[5, 7]
+    data = png(8, 2, RGB.reshape(HEIGHT, -1), (b"tRNS", colour.astype(">u2").tobytes()))
+    return Kind(data, RGB, np.where((colour == RGB).all(axis=2), 0, 255).astype(np.uint8))
+
+
+def _jpeg_in_tiff(pixels: np.ndarray) -> Kind:
+    data = pillow(pixels, "TIFF", compression="jpeg", quality=97)
+    decoded = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+    return Kind(data, decoded if pixels.ndim == 2 else decoded[..., ::-1], close=3)
+
+
+def _palette_tiff() -> Kind:
+    colours = RNG.integers(0, 256, (256, 3), dtype=np.uint8)
+    table = colours.T.astype(np.uint16) * 257
+    return Kind(tiff(GREY, photometric="palette", colormap=table), colours[GREY])
+
+
+def _gif_with_a_hole() -> Kind:
+    indexed = Image.fromarray(RGB).quantize(50)
+    index = np.asarray(indexed)
+    colours = np.asarray(indexed.convert("RGB"))
+    return Kind(
+        pillow(indexed, "GIF", transparency=int(index[5, 7])),
+        colours,
+        np.where(index == index[5, 7], 0, 255).astype(np.uint8),
+    )
+
+
+OPAQUE = np.dstack((RGB, np.full_like(GREY, 255)))
+DEEP_OPAQUE = np.dstack((DEEP_GREY, np.full_like(DEEP_GREY, 65535)))
+PREMULTIPLIED = {"extrasamples": ["assocalpha"]}
+
 KINDS: dict[str, Callable[[], Kind]] = {
     "PNG, grey, 8 bits": lambda: Kind(pillow(GREY, "PNG"), GREY),
     "PNG, grey with alpha, 8 bits": lambda: Kind(
@@ -219,6 +273,9 @@ KINDS: dict[str, Callable[[], Kind]] = {
     "PNG, palette with transparent colours": _transparent_palette,
     "PNG, one transparent colour, 16 bits": _transparent_colour,
     "PNG, one transparent grey, 16 bits": _transparent_grey,
+    "PNG, one transparent colour, 8 bits": _transparent_colour_of_8_bits,
+    "PNG, one transparent grey, 2 bits": lambda: _grey_of_few_bits(2),
+    "PNG, one transparent grey, 4 bits": lambda: _grey_of_few_bits(4),
     "PNG, 1 bit": lambda: Kind(pillow(Image.fromarray(GREY > 128), "PNG"), _bits()),
     "JPEG, grey": lambda: _jpeg(GREY),
     "JPEG, RGB": lambda: _jpeg(RGB, subsampling="4:4:4"),
@@ -266,6 +323,27 @@ KINDS: dict[str, Callable[[], Kind]] = {
     "TIFF, RGB, 16 bits, planar": lambda: Kind(
         tiff(planar(DEEP_RGB), photometric="rgb", planarconfig="separate"), DEEP_RGB
     ),
+    "TIFF, grey with alpha, 8 bits, planar": lambda: Kind(
+        tiff(planar(GREY_ALPHA), photometric="minisblack", planarconfig="separate", **STRAIGHT),
+        GREY_ALPHA[..., 0],
+        GREY_ALPHA[..., 1],
+    ),
+    "TIFF, grey with alpha, 8 bits, planar, LZW": lambda: Kind(
+        tiff(
+            planar(GREY_ALPHA),
+            photometric="minisblack",
+            planarconfig="separate",
+            compression="lzw",
+            **STRAIGHT,
+        ),
+        GREY_ALPHA[..., 0],
+        GREY_ALPHA[..., 1],
+    ),
+    "TIFF, RGB with alpha, 8 bits, planar, Deflate": lambda: Kind(
+        tiff(planar(RGBA), photometric="rgb", planarconfig="separate", compression="zlib", **STRAIGHT),
+        RGBA[..., :3],
+        RGBA[..., 3],
+    ),
     "TIFF, RGB, floating point, planar": lambda: Kind(
         tiff(planar(FLOAT_RGB), photometric="rgb", planarconfig="separate"), FLOAT_RGB
     ),
@@ -305,14 +383,54 @@ KINDS: dict[str, Callable[[], Kind]] = {
     "TIFF, inverted grey, 16 bits": lambda: Kind(
         tiff(65535 - DEEP_GREY, photometric="miniswhite"), DEEP_GREY
     ),
+    "TIFF, inverted grey with alpha, 8 bits": lambda: Kind(
+        tiff(GREY_ALPHA, photometric="miniswhite", planarconfig="contig", **STRAIGHT),
+        255 - GREY_ALPHA[..., 0],
+        GREY_ALPHA[..., 1],
+    ),
+    "TIFF, inverted grey with alpha, 16 bits": lambda: Kind(
+        tiff(DEEP_GREY_ALPHA, photometric="miniswhite", planarconfig="contig", **STRAIGHT),
+        65535 - DEEP_GREY_ALPHA[..., 0],
+        DEEP_GREY_ALPHA[..., 1],
+    ),
+    "TIFF, RGB with alpha by OpenCV, 8 bits": lambda: Kind(opencv(".tif", RGBA), RGBA[..., :3], RGBA[..., 3]),
+    "TIFF, RGB with alpha by OpenCV, 16 bits": lambda: Kind(
+        opencv(".tif", DEEP_RGBA), DEEP_RGBA[..., :3], DEEP_RGBA[..., 3]
+    ),
+    "TIFF, RGB with alpha by OpenCV, floating point": lambda: Kind(
+        opencv(".tif", FLOAT_RGBA), FLOAT_RGB, FLOAT_RGBA[..., 3]
+    ),
+    "TIFF, opaque premultiplied alpha, 8 bits": lambda: Kind(
+        tiff(OPAQUE, photometric="rgb", **PREMULTIPLIED), RGB, OPAQUE[..., 3]
+    ),
+    "TIFF, opaque premultiplied alpha, 16 bits": lambda: Kind(
+        tiff(DEEP_OPAQUE, photometric="minisblack", planarconfig="contig", **PREMULTIPLIED),
+        DEEP_GREY,
+        DEEP_OPAQUE[..., 1],
+    ),
+    "TIFF, grey, JPEG": lambda: _jpeg_in_tiff(GREY),
+    "TIFF, RGB, JPEG": lambda: _jpeg_in_tiff(RGB),
+    "TIFF, RGB, 8 bits, LZMA": lambda: Kind(pillow(RGB, "TIFF", compression="lzma"), RGB),
+    "TIFF, palette": _palette_tiff,
+    "TIFF, 1 bit, fax": lambda: Kind(
+        pillow(Image.fromarray(GREY > 128), "TIFF", compression="group4"), _bits()
+    ),
     "TIFF, 1 bit": lambda: Kind(pillow(Image.fromarray(GREY > 128), "TIFF"), _bits()),
     "BMP, grey": lambda: Kind(pillow(GREY, "BMP"), GREY),
     "BMP, RGB": lambda: Kind(pillow(RGB, "BMP"), RGB),
+    "BMP, palette": lambda: Kind(
+        pillow(Image.fromarray(RGB).quantize(50), "BMP"),
+        np.asarray(Image.fromarray(RGB).quantize(50).convert("RGB")),
+    ),
+    "BMP, 1 bit": lambda: Kind(pillow(Image.fromarray(GREY > 128), "BMP"), _bits()),
+    "BMP, RGB with alpha": lambda: Kind(opencv(".bmp", RGBA), RGBA[..., :3], RGBA[..., 3]),
     "WebP, RGB, without loss": lambda: Kind(pillow(RGB, "WEBP", lossless=True), RGB),
     "WebP, RGB with alpha, without loss": lambda: Kind(
         pillow(RGBA, "WEBP", lossless=True, exact=True), RGBA[..., :3], RGBA[..., 3]
     ),
     "GIF": _gif,
+    "GIF, interlaced": lambda: _gif(interlace=True),
+    "GIF, one transparent colour": _gif_with_a_hole,
     "PBM, in figures": lambda: Kind(netpbm("P1", None, figures((GREY <= 128).astype(int))), _bits()),
     "PBM": lambda: Kind(netpbm("P4", None, np.packbits(GREY <= 128, axis=1).tobytes()), _bits()),
     "PGM, in figures": lambda: Kind(netpbm("P2", 255, figures(GREY), "# a comment\n"), GREY),

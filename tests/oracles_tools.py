@@ -7,6 +7,7 @@ What section 4 does to a guidance field is to multiply it, by one factor for eac
 two arrays of factors, one for pairs across and one for pairs down.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -138,13 +139,18 @@ def relight(
     With `per_channel`, on the log of each channel, which it is multiplied by.
     """
     region, full = np.asarray(mask) != 0, oracles.full_scale(image.dtype)
-    values = oracles.working(image, full, space)
     logarithm = log_values(image, space, full) if per_channel else log_luminance(image, space, full)
     factors = attenuation(logarithm, region, alpha=alpha, beta=beta)
     field = times(factors)(oracles.guidance(oracles.imported, logarithm, logarithm))
-    gain = np.exp(oracles.solve(region, logarithm, *field) - logarithm)
+    return brightened(image, region, oracles.solve(region, logarithm, *field) - logarithm, space)
+
+
+def brightened(image: Array, region: Array, change: Array, space: str) -> Array:
+    """The picture with all that is in the region times exp(change), in a space."""
+    full = oracles.full_scale(image.dtype)
+    values = oracles.working(image, full, space)
+    gain = np.exp(change if change.ndim == values.ndim else change[..., None])
     edited = image.astype(np.float64)
-    gain = gain if gain.ndim == values.ndim else gain[..., None]
     edited[region] = oracles.restored((values * gain)[region], full, space)
     return edited
 
@@ -254,6 +260,46 @@ def heal(image: Array, mask: Array, *, offset: tuple[int, int], **variant: Any) 
     return oracles.clone(image, image, mask, offset=away, mask_on="destination", **variant)
 
 
+# --- into the range ---------------------------------------------------------------------------------
+
+
+def desaturated(colour: Array, full: float) -> Array:
+    """R, G and B drawn towards the grey of their luminance, just as far as they must to lie in 0...full."""
+    luminance = float(np.dot(oracles.LUMINANCE, colour))
+    if not 0 <= luminance <= full:
+        return np.full(3, luminance)
+    share = 1.0
+    for value in colour:
+        if value > full:
+            share = min(share, (full - luminance) / (value - luminance))
+        if value < 0:
+            share = min(share, luminance / (luminance - value))
+    return luminance + share * (colour - luminance)
+
+
+def fitted(picture: Callable[[float], Array], region: Array, full: float) -> tuple[Array, float]:
+    """A picture without a value out of 0...full, and s.
+
+    `picture` makes it of s, by which all gradients are multiplied.  s is the largest number up to 1 with which the
+    luminance of every pixel stays in range that is in range with s = 0; colours are `desaturated`.
+    """
+
+    def in_range(s: float) -> Array:
+        values = picture(s)[region]
+        luminance = values if values.ndim == 1 else oracles.grey(values)
+        return (luminance >= -1e-9 * full) & (luminance <= (1 + 1e-9) * full)
+
+    can_be = in_range(0)
+    low, high = (1.0, 1.0) if in_range(1)[can_be].all() else (0.0, 1.0)
+    for _ in range(30):
+        middle = (low + high) / 2
+        low, high = (middle, high) if in_range(middle)[can_be].all() else (low, middle)
+    exact = picture(low)
+    if exact.ndim == 3:
+        exact[region] = [desaturated(colour, full) for colour in exact[region]]
+    return exact, low
+
+
 # --- the range of a whole picture -------------------------------------------------------------------
 
 
@@ -274,8 +320,8 @@ def tonemap(
     Luminance and colours have `floor` times the percentile `white` of the luminance added to them.  The new luminance
     is stretched: its percentile `white` becomes white, its percentile `black` is as far from that as it was; what is
     beyond is cut off, and the rest raised to 1 / gamma.  A colour is the new luminance times (old / old
-    luminance)^saturation, in Lab its chroma times saturation and the ratio of lightness, all of them with `floor` times
-    white added.
+    luminance)^(saturation / gamma), in Lab its chroma times saturation and the ratio of lightness, all of them with
+    `floor` times white added.
     """
     full = oracles.full_scale(image.dtype)
     values = oracles.working(image, full, space)
@@ -300,7 +346,7 @@ def tonemap(
         edited = np.stack([new, *chroma], axis=-1)
     elif coloured:
         ratio = (values + floor * lightest) / old[..., None]
-        edited = (new[..., None] + haze) * np.sign(ratio) * np.abs(ratio) ** saturation - haze
+        edited = (new[..., None] + haze) * np.sign(ratio) * np.abs(ratio) ** (saturation / gamma) - haze
     else:
         edited = new.reshape(image.shape)
     return np.clip(oracles.restored(edited, full, space), 0, full)

@@ -2,6 +2,7 @@
 
 import json
 import os
+import pty
 import random
 import signal
 import subprocess
@@ -100,7 +101,8 @@ def test_bad_jobs_stop_nobody(folder, poisson):
     lines[2]["source"] = "broken.png"
     lines[3]["source"] = "nowhere.png"
     lines[5]["at"] = [1000, 1000]
-    lines[7]["output"] = "no/where.png"
+    (folder / "folder.png").mkdir()
+    lines[7]["output"] = "folder.png"
     lines[8]["max_iterations"] = 1
     lines[8]["tolerance"] = 1e-9
     path = write(folder, lines)
@@ -206,11 +208,94 @@ def test_reports_of_several_runs(manifest, poisson, folder):
     file.write_text(first[:-10])  # as if it had been killed just then
     assert poisson("batch", manifest.name, "--report", file, "--skip-existing").code == 0
     texts = file.read_text().splitlines()
-    assert texts[: NUMBER + 1] == first[:-10].splitlines()
-    _, summary = report("\n".join(texts[NUMBER + 1 :]))
+    assert (
+        texts[:NUMBER] == first.splitlines()[:NUMBER]
+    )  # the half line is gone, or nobody could read the rest
+    _, summary = report("\n".join(texts[NUMBER:]))
     assert summary["skipped"] == NUMBER
     assert poisson("batch", manifest.name, "--report", file, "--overwrite", "-j", 1).code == 0
     assert len(file.read_text().splitlines()) == NUMBER + 1
+
+
+@pytest.mark.parametrize(
+    ("there", "left"),
+    [
+        ('{"job": 1}\n{"j', '{"job": 1}\n'),
+        ('{"summary": {"jobs"', ""),
+        ('{"job": 1}\n{"job": 2}', '{"job": 1}\n{"job": 2}\n'),  # whole, but for its end
+        ("somebody's notes", "somebody's notes\n"),
+        ("x" * 10_000 + "\n" + '{"job": 2, "error": "' + "y" * 10_000, "x" * 10_000 + "\n"),
+        ("", ""),
+    ],
+)
+def test_a_report_goes_on_behind_whole_lines(manifest, poisson, folder, there, left):
+    (folder / "out").joinpath("000.png").write_bytes(b"there")
+    manifest.write_text(json.dumps(jobs(1)[0]))
+    file = folder / "report.jsonl"
+    file.write_text(there)
+    assert poisson("batch", manifest.name, "--report", file, "--skip-existing").code == 0
+    text = file.read_text()
+    assert text.startswith(left)
+    assert [line[:7] for line in text[len(left) :].splitlines()] == ['{"job":', '{"summa']
+
+
+def test_a_report_that_cannot_be_written_ends_the_batch(manifest, expected, poisson, folder):
+    ran = poisson("batch", manifest.name, "-j", 1, "--report", "/dev/full", "--skip-existing")
+    *_, said, error = ran.err.splitlines()
+    assert (ran.code, error) == (
+        4,
+        "poisson: error: the report cannot be written (No space left on device)",
+    )
+    assert said.startswith("batch: 1 done, 11 not run in ")
+    assert poisson("batch", manifest.name, "-j", 1, "--skip-existing").code == 0
+    assert outputs(folder) == expected
+
+
+def test_a_report_is_not_written_into_the_manifest(manifest, poisson):
+    before = manifest.read_bytes()
+    ran = poisson("batch", manifest.name, "--report", f"./{manifest.name}", "--overwrite")
+    assert ran.code == 2
+    assert "--report would write into MANIFEST" in ran.err
+    assert manifest.read_bytes() == before
+
+
+def test_folders_of_outputs(manifest, expected, poisson, folder):
+    lines = [{**line, "output": f"{'ab'[k % 2]}/deep/{k:03}.png"} for k, line in enumerate(jobs(NUMBER))]
+    write(folder, lines)
+    ran = poisson("batch", manifest.name, "-j", 1)
+    assert (ran.code, ran.err.splitlines()) == (
+        2,
+        [
+            f"poisson: error: jobs.jsonl:{line}: there is no folder {name}/deep for 6 outputs; make it first, or let "
+            "--make-folders do it"
+            for line, name in ((1, "a"), (2, "b"))
+        ],
+    )
+    assert poisson("batch", manifest.name, "--make-folders", "--dry-run").code == 0
+    assert not (folder / "a").exists()
+    assert poisson("batch", manifest.name, "--make-folders", "-j", 1).code == 0
+    assert {path.name: path.read_bytes() for path in folder.glob("[ab]/deep/*")} == expected
+    (folder / "file").write_bytes(b"")
+    write(folder, [{**jobs(1)[0], "output": "file/a.png"}])
+    ran = poisson("batch", manifest.name, "--make-folders", "-j", 1)
+    assert ran.code == 4
+    assert "file: cannot be made" in ran.err
+
+
+def test_a_job_that_takes_too_long_fails(folder):
+    """It reads from a pipe into which nobody writes."""
+    lines = jobs(NUMBER)
+    lines[3]["source"] = "pipe"
+    path = write(folder, lines)
+    os.mkfifo(folder / "pipe")
+    process = start("batch", path.name, "-j", 1, "--timeout", "2", "--report", "-", "-q", cwd=folder)
+    out, err = process.communicate()
+    assert process.returncode == 1, err
+    found, summary = report(out)
+    assert (summary["done"], summary["failed"]) == (NUMBER - 1, 1)
+    assert (found[3]["status"], found[3]["exit_code"], found[3]["attempts"]) == ("failed", 143, 1)
+    assert found[3]["error"].startswith("took longer than 2 s and was ended")
+    assert outputs(folder).keys() == {f"{k:03}.png" for k in range(NUMBER) if k != 3}
 
 
 def test_dry_run_prints_command_lines_and_does_nothing(manifest, poisson, folder):
@@ -245,6 +330,8 @@ def test_mistakes_are_all_named_and_nothing_runs(folder, poisson):
     [
         (["--skip-existing", "--overwrite"], 2, "--skip-existing and --overwrite contradict each other"),
         (["--scheduler", "local", "--memory", "1G"], 2, "--memory is for this machine"),
+        (["--scheduler", "local", "--timeout", "9"], 2, "--timeout is for this machine"),
+        (["--timeout", "0"], 2, "'0' is not a number greater than 0"),
         (["--default", "cycle"], 2, "write it as NAME=VALUE"),
         (["--default", "cycle=X"], 2, "jobs.jsonl:1: Invalid value for '--cycle'"),
         (["--shard", "3/2"], 2, "'3/2' is no share: the first of 2 is 1/2"),
@@ -321,6 +408,47 @@ def test_stopped_and_begun_again_it_ends_as_if_nothing_had_been(folder, poisson,
                 (folder / "out" / name).unlink()
     finally:
         signal.signal(signal.SIGINT, usual)
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGKILL])
+def test_a_signal_to_all_its_processes_leaves_nothing_behind(folder, number):
+    """As a terminal, a container and a cluster's scheduler send it."""
+    usual = signal.signal(signal.SIGINT, signal.default_int_handler)
+    path = write(folder, jobs(200))
+    try:
+        process = start("batch", path.name, "-j", 2, "--report", "-", cwd=folder, group=True)
+    finally:
+        signal.signal(signal.SIGINT, usual)
+    process.stdout.readline()
+    workers = children(process.pid)
+    os.killpg(process.pid, number)
+    _, err = process.communicate()
+    wait_until(lambda: not any(map(is_alive, workers)), "workers are left")
+    codes = {signal.SIGTERM: 143, signal.SIGINT: 130, signal.SIGHUP: 129, signal.SIGKILL: -9}
+    assert process.returncode == codes[number]
+    assert "Traceback" not in err
+    assert outputs(folder).keys() <= {f"{k:03}.png" for k in range(200)}
+
+
+@pytest.mark.parametrize("heard", [True, False])
+def test_a_terminal_that_is_closed(folder, expected, heard):
+    """The batch ends; or, if it was told not to hear of that, goes on to its end in silence."""
+    path = write(folder, jobs(200 if heard else NUMBER))
+    pid, terminal = pty.fork()
+    if pid == 0:
+        os.chdir(folder)
+        signal.signal(signal.SIGHUP, signal.SIG_DFL if heard else signal.SIG_IGN)
+        os.execve(
+            POISSON[0],
+            [*POISSON, "batch", path.name, "-j", "1", "--report", "report.jsonl"],
+            {**environment(), "TERM": "xterm"},
+        )
+    wait_until(lambda: outputs(folder), "no outputs")
+    os.close(terminal)
+    _, status = os.waitpid(pid, 0)
+    _, summary = report((folder / "report.jsonl").read_text())
+    assert os.waitstatus_to_exitcode(status) == summary["exit_code"] == (129 if heard else 0)
+    assert summary["done"] < 200 if heard else outputs(folder) == expected
 
 
 # --- from Python ------------------------------------------------------------------------------------------------------

@@ -165,6 +165,25 @@ def test_a_batch_that_is_stopped_leaves_the_cluster_in_order(folder, cluster):
     assert made == by_single_commands(jobs(NUMBER))
 
 
+def test_a_stop_at_the_terminal_is_for_the_batch_alone(folder):
+    """It reaches every process there, and none of the workers has anything to say about it."""
+    path = write(folder, jobs(NUMBER))
+    usual = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        process = start(
+            "batch", path.name, "--scheduler", "local", "-j", "2", "--report", "-", cwd=folder, group=True
+        )
+    finally:
+        signal.signal(signal.SIGINT, usual)
+    process.stdout.readline()
+    os.killpg(process.pid, signal.SIGINT)
+    out, err = process.communicate()
+    said, error = err.splitlines()
+    assert (process.returncode, error) == (130, "poisson: error: interrupted")
+    assert said.startswith("batch: ")
+    assert json.loads(out.splitlines()[-1])["summary"]["exit_code"] == 130
+
+
 def test_no_scheduler_there(folder, monkeypatch):
     monkeypatch.setattr("poisson_cli.batch.cluster._TIMEOUT", 0.5)
     from poisson_cli.main import run

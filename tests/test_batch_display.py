@@ -10,6 +10,7 @@ from poisson_cli.batch.report import Tally
 from poisson_cli.batch.task import Result, Task
 from poisson_cli.job import Job
 from poisson_cli.settings import Output
+from tests.batch_jobs import wait_until
 from tests.test_progress import Terminal, Watch
 
 
@@ -52,8 +53,59 @@ def test_a_terminal_shows_one_line(wide):
     assert "\npoisson" not in terminal.getvalue()
     _, line = terminal.getvalue().split("poisson: jobs.csv:100: a.png: no such file\n")
     assert line.startswith("\r99 of 2,000 done, 1 failed, ")
-    batch.display.close()
-    assert Terminal.shown(terminal).endswith("no such file") or terminal.shown() == ""
+
+
+def test_nothing_of_the_line_is_left():
+    terminal = Terminal()
+    batch = Batch(terminal)
+    with batch.display.fresh():
+        for number in range(1, 100):
+            batch.job(number, 0.5)
+        assert terminal.shown()
+    assert terminal.shown() == ""
+
+
+def test_a_long_job_is_seen_to_be_one(monkeypatch):
+    """Though nothing begins and nothing ends."""
+    monkeypatch.setattr("poisson_cli.batch.display.TICK", 0.01)
+    terminal = Terminal()
+    batch = Batch(terminal)
+    with batch.display.fresh():
+        batch.job(1, 0.5)
+        batch.display.begins(task(2))
+        batch.watch.now += 300
+        wait_until(lambda: "fill out/2.png for 5 min" in terminal.shown(), "no word of it")
+
+
+class Closed(Terminal):
+    """A terminal that is gone."""
+
+    def write(self, text: str) -> int:
+        raise OSError(5, "Input/output error")
+
+
+def test_a_terminal_that_is_gone_is_no_matter(monkeypatch):
+    silenced = []
+    monkeypatch.setattr("poisson_cli.batch.display.silence", silenced.append)
+    terminal = Closed()
+    batch = Batch(terminal)
+    with batch.display.fresh():
+        batch.job(1, 0.5, status="failed", error="no")
+        batch.job(2, 0.5)
+        batch.display.say("something")
+    assert set(silenced) == {terminal}
+
+
+def test_names_do_nothing_to_the_terminal():
+    terminal = Terminal()
+    batch = Batch(terminal)
+    bad = Task(1, 1, "fill", (Job("fill", Path("a.png"), Output(Path("o\x1b[2J.png"))),))
+    batch.display.begins(bad)
+    batch.watch.now += 1
+    batch.display.begins(task(2))
+    assert terminal.shown().endswith(r"; fill o\x1b[2J.png")
+    batch.job(3, 0.5, status="failed", error="a\x1b[2J.png: no")
+    assert r"poisson: jobs.csv:3: a\x1b[2J.png: no" in terminal.getvalue()
 
 
 def test_elsewhere_there_are_plain_lines_now_and_then():

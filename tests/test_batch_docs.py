@@ -77,7 +77,7 @@ def test_lines_that_are_right_fit_the_schema(line):
 @pytest.mark.parametrize("kind", ["json", "csv"])
 def test_the_manifests_on_the_page(kind):
     (text,) = re.findall(rf"```{kind}\n(.*?)```", PAGE, re.DOTALL)
-    tasks = checking.check(manifest.parse(text.encode()))
+    tasks = checking.check(manifest.parse(text.encode()), make_folders=True)
     assert len(tasks) == (3 if kind == "json" else 2)
     if kind == "json":
         assert all(fits(json.loads(line), SCHEMA) for line in text.splitlines()[1:] if "mask" in line)
@@ -90,6 +90,6 @@ def test_the_manifest_from_folders(tmp_path):
     (text,) = re.findall(r"```sh\n(python -c.*?) > jobs.jsonl\n```", PAGE, re.DOTALL)
     words = [sys.executable, *shlex.split(text)[1:]]
     out = subprocess.run(words, cwd=tmp_path, capture_output=True, check=True).stdout
-    first, second = checking.check(manifest.parse(out))
+    first, second = checking.check(manifest.parse(out), make_folders=True)
     assert [str(path) for path in (*first.outputs, *second.outputs)] == ["out/a.png", "out/b.png"]
     assert first.jobs[0].source == Path("src/a.png")

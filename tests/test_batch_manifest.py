@@ -116,7 +116,7 @@ def test_paths_are_relative_to_the_manifest():
         "tool": "clone", "source": "a.png", "destination": "/d/b.png", "mask": ["m.png:red", "/m.png"],
         "selection": [{"mask": "n.png"}], "flatten": True, "edges": "e.png", "output": "o.png",
     }  # fmt: skip
-    (task,) = tasks(line, folder="some/where")
+    (task,) = tasks(line, folder="some/where", make_folders=True)
     (job,) = task.jobs
     assert (job.source, job.destination) == (Path("some/where/a.png"), Path("/d/b.png"))
     assert [step.area.name for step in job.selection.steps] == [
@@ -157,6 +157,111 @@ def test_csv():
     assert (one.line, two.line, three.line) == (2, 4, 6)
 
 
+@pytest.mark.parametrize("divider", [";", "\t"])
+def test_csv_of_other_spreadsheets(divider):
+    text = f"tool;image;rect;output\r\nfill;a.png;0,0,9,9;o.png\r\nfill;{'b' * 3};0,0,9,9;p.png".replace(
+        ";", divider
+    )
+    one, two = checking.check(manifest.parse(text.encode()))
+    assert list(one.jobs) == by_command_line("fill a.png --rect 0,0,9,9 -o o.png --threads 1")
+    assert two.jobs[0].destination == Path("bbb")
+
+
+def test_each_bad_row_of_csv_is_found():
+    text = 'tool,image,rect,output\nfill,"a"x,"0,0,9,9",o.png\nfill,a\nfill,a,"0,0,9,9",p.png\nfill,a,"0,0,9,q.png\n'
+    assert [line for line, _ in mistakes(text)] == [2, 3, 5]
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "part"),
+    [
+        (
+            "tool,image,maks,output\nfill,a,m,o.png\nfill,b,m,p.png\n",
+            1,
+            'no tool knows what the column "maks" says',
+        ),
+        ("\nimage,mask,output\na,m,o.png\nb,m,p.png\n", 2, 'no column is named "tool"'),
+        ("PK\3\4 and so on\nmore of it\n", 1, "neither a job in JSON nor, for CSV, names of columns"),
+        ('# jobs\n{"tool": "fill"}\n', 1, "neither a job in JSON"),
+    ],
+)
+def test_a_bad_head_of_csv_is_one_mistake(text, line, part):
+    ((at, found),) = mistakes(text)
+    assert (at, part in found) == (line, True)
+
+
+def test_the_tool_may_be_a_default_of_csv():
+    (task,) = checking.check(manifest.parse(b"image,mask,output\na,m,o.png\n"), defaults=(("tool", "fill"),))
+    assert task.tool == "fill"
+
+
+def test_whole_numbers_may_have_a_point():
+    """As programs write them that know floats only."""
+    line = {"tool": "clone", "source": "a", "destination": "b", "at": [-4.0, 7.0],
+            "rect": [[1.0, 2, 3, 4], [5, 6, 7, 8e0]], "grow": 2.0, "page": 1.0, "tolerance": 1.0,
+            "output": "o.png"}  # fmt: skip
+    (task,) = tasks(line)
+    assert list(task.jobs) == by_command_line(
+        "clone a b --at=-4,7 --rect 1,2,3,4 --rect 5,6,7,8 --grow 2 --page 1 --tolerance 1 -o o.png --threads 1"
+    )
+    assert mistakes(json.dumps({**line, "at": [0.5, 1]}))[0][0] == 1
+
+
+# Lines that say the same options are read in a short way.  Whatever the order, each must be read as by itself.
+
+ALIKE = [
+    {"tool": "clone", "source": "a", "destination": "b", "mask": "m", "output": "1.png"},
+    {"tool": "clone", "source": "c", "destination": "d", "mask": "n", "output": "2.png"},
+    {"tool": "clone", "source": "c", "destination": "d", "mask": "n", "output": "3.png", "at": [3, 4], "cycle": "V"},
+    {"tool": "clone", "source": "c", "destination": "d", "rect": [1, 2, 3, 4], "output": "4.png", "flatten": True},
+    {"tool": "clone", "source": "c", "destination": "d", "rect": [5, 6, 7, 8], "output": "5.png", "flatten": True},
+    {"tool": "clone", "source": "c", "destination": "d", "rect": [5, 6, 7, 8], "mask": "m", "output": "6.png"},
+    {"tool": "clone", "source": "c", "destination": "d", "mask": "m", "rect": [5, 6, 7, 8], "output": "7.png"},
+    {"tool": "clone", "source": "c", "destination": "d", "mask": "m", "monochrome": False, "output": "8.png"},
+    {"tool": "clone", "source": "c", "destination": "d", "mask": "m", "monochrome": True, "output": "9.png"},
+    {"tool": "clone", "source": "c", "destination": "d", "mask": "m", "output": "10.png", "solver": "sor"},
+    {"tool": "fill", "image": "c", "mask": "m", "output": "11.png", "solver": "sor"},
+    {"tool": "fill", "image": "c", "mask": "m", "output": "12.png"},
+    {"tool": "tile", "images": ["c", "d"], "output": ["13.png", "14.png"]},
+    {"tool": "tile", "images": ["e"], "output": ["15.png"]},
+    {"tool": "mask", "image": "c", "ellipse": [0, 0, 9, 9], "subtract": True, "rect": [1, 2, 3, 4], "output": "16.png"},
+    {"tool": "mask", "image": "d", "ellipse": [0, 0, 8, 8], "subtract": True, "rect": [1, 2, 3, 3], "output": "17.png"},
+    {"tool": "mask", "image": "e", "selection": [{"rect": [1, 2, 3, 3]}, {"grow": 2}, {"rect": [9, 9, 9, 9]}],
+     "output": "18.png"},
+    {"tool": "mask", "image": "e", "selection": [{"rect": [1, 2, 3, 3]}, {"rect": [9, 9, 9, 9]}, {"grow": 2}],
+     "output": "19.png"},
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_lines_that_are_alike_do_not_mix(order):
+    together = tasks(*ALIKE[::order])
+    alone = [tasks(line)[0] for line in ALIKE[::order]]
+    assert [task.jobs for task in together] == [task.jobs for task in alone]
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "text"),
+    [
+        ({"at": [1, 2]}, {"at": "here"}, "'here' is not X,Y"),
+        ({"flatten": True, "sigma": 3}, {"sigma": 2}, "--sigma belongs to --flatten; add that"),
+        ({"solver": "multigrid", "cycle": "W"}, {"solver": "sor", "cycle": "W"}, "--cycle belongs to"),
+        (
+            {"rect": [1, 2, 3, 4], "grow": 2},
+            {"grow": 2, "rect": [1, 2, 3, 4]},
+            "--grow works on what was selected",
+        ),
+    ],
+)
+def test_what_is_wrong_is_found_behind_lines_that_are_alike(right, wrong, text):
+    start = {"tool": "clone", "source": "a", "destination": "b"}
+    end = {} if "rect" in right else {"mask": "m"}
+    lines = [{**start, **which, **end} for which in (right, right, wrong, wrong, right)]
+    found = mistakes("\n".join(json.dumps({**line, "output": f"{k}.png"}) for k, line in enumerate(lines)))
+    assert [line for line, _ in found] == [3, 4]
+    assert all(text in said for _, said in found)
+
+
 def test_every_mistake_is_found_at_once():
     fill = '{"tool": "fill", "image": "a.png", "rect": [0,0,9,9], '
     text = "\n".join(
@@ -186,11 +291,21 @@ def test_every_mistake_is_found_at_once():
             fill + '"tolerance": NaN, "output": "14.png"}',
             fill + '"zzz": "source", "output": "15.png"}',
             fill + '"max_iterations": 3, "max-iterations": 4, "output": "16.png"}',
+            '{"defaults": {"cycle": "V"}}',
+            "7",
+            fill + '"output": ""}',
+            fill + '"output": "no/17.png"}',
+            fill + '"output": "18.xyz"}',
+            fill + '"output": "19"}',
+            fill + '"output": "20.png", "quality": 90}',
+            '{"tool": "tile", "images": ["a.png", "b.png"], "output": ["21.png", "./21.png"]}',
+            '{"tool": "tile", "images": ["a.png"], "output": ["22.png"], "preview": "23.xyz"}',
+            '{"tool": "fill", "image": "a.png", "mask": "22.png:red", "output": "24.png"}',
         ]
     )
     found = mistakes(text)
     expected = [
-        (1, 'no tool has the default "colour"'), (4, "not JSON"), (5, "not a JSON object"),
+        (1, 'no tool has the default "colour"'), (4, "not JSON"), (5, "a JSON list; write each job in a line"),
         (6, '"tool" is there twice'),
         (7, '"tool" is missing; it can be clone, fill'), (8, 'no tool "demo"'), (9, 'did you mean "mask"?'),
         (10, 'fill has no "json"'), (11, '"certify" is "perhaps", not true or false'),
@@ -200,6 +315,11 @@ def test_every_mistake_is_found_at_once():
         (19, "--cycle belongs to --solver multigrid"), (20, "o.png is also written by line 2"),
         (21, "o.png is written by line 2; read it in another batch"), (22, "13.png is read and written"),
         (23, "NaN is no number"), (24, 'fill has no "zzz"; it has image'), (25, '"max_iterations" is there twice'),
+        (26, '"defaults" belong into the first line'), (27, "not a JSON object"), (28, '"output" is ""'),
+        (29, "there is no folder no for an output"), (30, "18.xyz: the ending .xyz does not tell"),
+        (31, "19: a name without an ending does not tell"), (32, "20.png: PNG has no quality to choose"),
+        (33, "21.png is written twice"), (34, "23.xyz: the ending .xyz does not tell"),
+        (35, "22.png is written by line 34; read it"),
     ]  # fmt: skip
     assert [line for line, _ in found] == [line for line, _ in expected]
     for (_, text), (_, part) in zip(found, expected, strict=True):
@@ -215,6 +335,8 @@ def test_every_mistake_is_found_at_once():
         (b'{"tool": "fill"}\n\xff\n', 2, "not UTF-8"),
         (b'{"defaults": 3}\n', 1, '"defaults" is no object'),
         (b"[" * 100_000, 1, ""),
+        (b'[{"tool": "fill"},\n {"tool": "fill"}]\n', 1, "JSON over several lines"),
+        (b'\n{\n "tool": "fill"\n}\n', 2, "JSON over several lines"),
     ],
 )
 def test_what_cannot_be_read_at_all(data, line, text):

@@ -11,8 +11,22 @@ import pytest
 from poisson_cli.batch import memory, pool
 from poisson_cli.batch.task import Result, Task
 from poisson_cli.errors import PoissonError
+from poisson_cli.images import Picture, prepare, write
+from poisson_cli.images.depth import convert
+from poisson_cli.images.formats import by_extension
+from poisson_cli.images.size import peek
 from poisson_cli.job import Job
-from poisson_cli.settings import Output
+from poisson_cli.settings import (
+    Combine,
+    Ellipse,
+    Grow,
+    MaskFile,
+    Output,
+    Polygon,
+    Rectangle,
+    Selection,
+    Solver,
+)
 from tests.small_pictures import encoded, smooth
 
 
@@ -57,6 +71,14 @@ def die(task: Task, attempts: int, *, on: int = 2, code: int = 7) -> Result:
     return Result.of(task, "done", attempts=attempts)
 
 
+def deaf_on_third(task: Task, attempts: int) -> Result:
+    """Take for ever, and do not end when asked to."""
+    if task.number == 3:
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        time.sleep(1000)
+    return Result.of(task, "done", attempts=attempts)
+
+
 def fail(task: Task, attempts: int) -> Result:
     return Result.of(task, "failed" if task.number == 2 else "done")
 
@@ -94,7 +116,7 @@ def test_no_more_workers_than_jobs_fit_into_memory(tmp_path):
 
 
 def test_a_large_job_waits_for_room_and_is_not_overtaken(tmp_path):
-    (tmp_path / "in.png").write_bytes(encoded(smooth(1000, 1000, 1)[:, :, 0]))
+    (tmp_path / "in.png").write_bytes(encoded(smooth(1500, 1500, 1)[:, :, 0]))
     jobs = tasks(tmp_path, 5)
     small = [
         Task(k, k, "fill", (Job("fill", tmp_path / "no.png", Output(tmp_path / f"{k}.png")),))
@@ -102,7 +124,7 @@ def test_a_large_job_waits_for_room_and_is_not_overtaken(tmp_path):
     ]
     order = [small[0], small[1], jobs[2], small[2], small[3]]
     large = memory.estimator()(jobs[2])
-    assert large > memory.WORKER + 100 * 1000 * 1000
+    assert large > 2 * memory.WORKER  # so that the others have room for two
     begun = []
     results = list(
         pool.run(order, workers=2, limit=large, perform=note, begins=lambda task: begun.append(task.number))
@@ -146,6 +168,16 @@ def test_after_a_failure_no_more_begin_if_so_chosen(tmp_path):
     assert len(run(fail, tmp_path, workers=1)) == 6
 
 
+def test_what_takes_too_long_fails_alone(tmp_path, monkeypatch):
+    monkeypatch.setattr(pool, "_PATIENCE", 0.2)
+    results = {result.job: result for result in run(deaf_on_third, tmp_path, timeout=0.5)}
+    late = results.pop(3)
+    assert (late.status, late.exit_code, late.attempts, late.seconds) == ("failed", 143, 1, 0.5)
+    assert late.error.startswith("took longer than 0.5 s and was ended")
+    assert {result.status for result in results.values()} == {"done"}
+    assert len(results) == 5
+
+
 def test_workers_that_cannot_begin_are_an_error_and_no_endless_loop(tmp_path):
     with pytest.raises(PoissonError, match="3 worker processes in a row .* before they could begin"):
         run(CannotBeLoaded(), tmp_path)
@@ -168,6 +200,50 @@ def test_an_estimate_grows_with_the_pictures_and_never_fails(tmp_path):
     nothing = of("no.png")
     assert nothing == of("broken.png") == of("pipe.png") == memory.WORKER
     assert nothing < of("100.png") < of("100.png", "200.png") < of("200.png", "200.png")
+
+
+SHAPES = {
+    "rectangle": ([Combine(Rectangle(5, 7, 30, 40))], 30 * 40),
+    "outside as well": ([Combine(Rectangle(-50, -50, 1000, 1000))], 100 * 100),
+    "ellipse": ([Combine(Ellipse(Rectangle(5, 7, 30, 40)))], 30 * 40),
+    "polygon": ([Combine(Polygon(((5, 7), (35.5, 7), (20, 46.5))))], 31 * 40),
+    "two": ([Combine(Rectangle(0, 0, 2, 2)), Combine(Rectangle(48, 38, 2, 2))], 50 * 40),
+    "grown": ([Combine(Rectangle(5, 7, 30, 40)), Grow(3), Grow(-3)], 36 * 46),
+    "cut": ([Combine(Rectangle(5, 7, 30, 40)), Combine(Rectangle(0, 0, 90, 90), "subtract")], 30 * 40),
+    "of a file": ([Combine(Rectangle(5, 7, 30, 40)), Combine(MaskFile("mask.png"))], 100 * 100),
+}
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_shapes_say_how_much_is_solved_for(tmp_path, name):
+    steps, pixels = SHAPES[name]
+    (tmp_path / "in.png").write_bytes(encoded(smooth(100, 100, 3)))
+    job = Job("fill", tmp_path / "in.png", Output(tmp_path / "o.png"), selection=Selection(tuple(steps)))
+    estimate = memory.estimator()
+
+    def beyond_the_picture(job: Job) -> int:
+        return estimate(Task(1, 1, "fill", (job,))) - memory.WORKER - 100 * 100 * memory.PER_PIXEL["16"]
+
+    assert beyond_the_picture(job) == pixels * memory.PER_UNKNOWN
+    inverted = job._replace(selection=Selection(tuple(steps), invert=True))
+    assert beyond_the_picture(inverted) == 100 * 100 * memory.PER_UNKNOWN
+    proved = job._replace(solver=Solver(certify=True))
+    assert beyond_the_picture(proved) == 3 * pixels * memory.PER_UNKNOWN
+
+
+@pytest.mark.parametrize(
+    "name", ["a.png", "a.jpg", "a.tif", "a.bmp", "a.webp", "a.ppm", "a.pfm", "a.hdr", "a.exr"]
+)
+def test_every_format_says_how_large_it_is(tmp_path, name):
+    """Floats as well, which need most: no decoder of Pillow's knows them."""
+    depth = by_extension(Path(name)).depths[-1]
+    pixels = convert(smooth(30, 40, 3), depth).values
+    write(prepare(tmp_path / name), Picture("a", pixels))
+    assert peek(tmp_path / name) == (30, 40, depth)
+    whole = (tmp_path / name).read_bytes()
+    for end in (0, 5, 20, len(whole) // 2):
+        (tmp_path / name).write_bytes(whole[:end])
+        assert peek(tmp_path / name) in (None, (30, 40, depth))
 
 
 def test_there_is_some_memory():

@@ -1,6 +1,5 @@
 """`--certify`, and the advice to use multigrid: from the option to every place where a run speaks of itself."""
 
-import dataclasses
 import json
 import math
 
@@ -90,8 +89,8 @@ def test_the_report_of_a_bound(bound, part, detail, in_json):
 @pytest.mark.parametrize("quiet", [False, True])
 def test_advice_is_a_line_of_its_own(capsys, quiet):
     advice = "multigrid would be about 40 times as fast"
-    edit = dataclasses.replace(SUMMARY.edit, advice=advice)
-    report.tell(dataclasses.replace(SUMMARY, edit=edit), Reporting(quiet=quiet))
+    edit = SUMMARY.edit._replace(advice=advice)
+    report.tell(SUMMARY._replace(edit=edit), Reporting(quiet=quiet))
     hints = [line for line in capsys.readouterr().err.splitlines() if "hint" in line]
     assert hints == ([] if quiet else [f"poisson: hint: {advice}"])
-    assert report.as_dict(dataclasses.replace(SUMMARY, edit=edit))["advice"] == advice
+    assert report.as_dict(SUMMARY._replace(edit=edit))["advice"] == advice

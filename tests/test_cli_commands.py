@@ -5,10 +5,14 @@ import json
 import re
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
+import tifffile
+from PIL import Image
 
 from poisson_cli import editing
+from poisson_cli.main import cli
 from tests.small_pictures import (
     ALPHA,
     DESTINATION,
@@ -90,6 +94,11 @@ SELECTIONS = [
     (["-m", "{mask}"], {"SHAPES": ["mask"]}),
     (["--rect", "3,4,20,12"], {"SHAPES": ["rectangle"]}),
     (["-m", "{mask}", "--rect", "-5,-5,20,12"], {"SHAPES": ["mask", "overhang"]}),
+    (
+        "--lasso/3,4 23,4 23,16 3,16/--subtract/--polygon/5,6 9,6 9,10 5,10/--grow/1/--add".split("/")
+        + "--ellipse 12,20,1,1 --intersect --rect 0,0,30,24 --shrink 1".split(),
+        {"SHAPES": ["drawn"]},
+    ),
 ]
 SOLVERS = [
     ([], {}),
@@ -116,7 +125,12 @@ OUTPUTS = [
     (["-o", "out.tif", "--overwrite"], {}),
     (["-o", "old.bmp", "--overwrite"], {}),
     (["-o", "out.WebP"], {}),
+    (["-o", "out.dat", "--format", "png", "--bit-depth", "8"], {}),
+    (["-o", "out.tif", "--bit-depth", "16"], {"DEPTH": np.uint16}),
+    (["-o", "out.tiff", "--bit-depth", "float"], {"DEPTH": np.float32}),
 ]
+CERTIFIED = [([], {}), (["--certify"], {"certify": True})]
+LARGEST = [([], {}), (["--max-pixels", "1920"], {})]
 SHARED = {
     "selection": SELECTIONS,
     "invert": INVERSIONS,
@@ -127,6 +141,8 @@ SHARED = {
     "threads": THREADS,
     "report": REPORTS,
     "output": OUTPUTS,
+    "certify": CERTIFIED,
+    "largest": LARGEST,
 }
 PLACED = {
     **SHARED,
@@ -157,7 +173,8 @@ THENS = [
     (["--focus", "1.5"], {"then": [editing.Scale(1.5)]}),
     (["--focus", "0"], {"then": [editing.Scale(0)]}),
     (["--flatten", "--sigma", "0"], {"then": [editing.Sieve(sigma=0)]}),
-    (["--relight", "--beta", ".3"], {"then": [editing.Attenuate(beta=0.3)]}),
+    (["--flatten", "--low", "2.5", "--high", "5"], {"then": [editing.Sieve(low=2.5, high=5)]}),
+    (["--relight", "--alpha", ".3", "--beta", ".3"], {"then": [editing.Attenuate(0.3, 0.3)]}),
     (
         ["--relight", "--focus", "2", "--flatten", "--edges", "source-edges.png"],
         {"then": [editing.Sieve(SOURCE[:, :, 0] >= 128), editing.Scale(2), editing.Attenuate()]},
@@ -174,7 +191,8 @@ CLONED = {
     ],
     "monochrome": [([], {}), (["--monochrome"], {"monochrome": True})],
 }
-WHOLE = {name: SHARED[name] for name in ("solver", "tolerance", "limit", "threads", "report", "output")}
+OF_SELECTIONS = ("selection", "invert", "threshold")
+WHOLE = {name: choices for name, choices in SHARED.items() if name not in OF_SELECTIONS}
 ALTERED = {**SHARED, **TONED}
 IN_PLACE = {
     "fill": {**SHARED, "space": SPACES},
@@ -208,7 +226,14 @@ IN_PLACE = {
         "robust": ROBUSTS,
         "selection": [
             (["--rect", "20,14,9,8"], {"SHAPES": ["patch"]}),
-            (["--rect", "20,14,9,8", "--mask-threshold", "60"], {"SHAPES": ["patch"]}),
+            (["-m", "patch.png", "--mask-threshold", "60"], {"SHAPES": ["patch"]}),
+            (
+                "--polygon/20,14 29,14 29,22 20,22/--grow/1/--shrink/1/--subtract/--ellipse/24,17,3,2".split(
+                    "/"
+                )
+                + "--add/--ellipse/24,17,3,2/--intersect/--lasso/20,14 29,14 29,22 20,22".split("/"),
+                {"SHAPES": ["patch"]},
+            ),
         ],
         "offset": [
             ([], {}),
@@ -249,10 +274,31 @@ def expected_mask(meaning: dict, mask: np.ndarray) -> np.ndarray:
             selected[4:16, 3:23] = True
         elif shape == "patch":
             selected[14:22, 20:29] = True
+        elif (
+            shape == "drawn"
+        ):  # a rectangle with a hole, a pixel wider; a pixel beside it; all of that a pixel narrower
+            selected[4:16, 3:23] = True
+            selected[6:10, 5:9] = False
+            selected = ~narrowed(~selected)
+            selected[20, 12] = True
+            selected = narrowed(selected)
         else:
             selected[:7, :15] = True
     meaning.pop("THRESHOLD", None)
     return ~selected if meaning.pop("INVERT", False) else selected
+
+
+def narrowed(selected: np.ndarray) -> np.ndarray:
+    """Less what has a neighbour that is not selected; the edge of the picture is no border."""
+    padded = np.pad(selected, 1, mode="edge")
+    return selected & padded[2:, 1:-1] & padded[:-2, 1:-1] & padded[1:-1, 2:] & padded[1:-1, :-2]
+
+
+def in_depth(picture: np.ndarray, depth: type) -> np.ndarray:
+    """An 8-bit picture in another one."""
+    if depth is np.float32:
+        return picture / np.float32(255)
+    return picture.astype(np.uint16) * 257 if depth is np.uint16 else picture
 
 
 def ids(row: dict) -> str:
@@ -265,6 +311,9 @@ def prepared(folder: Path) -> set[Path]:
     Path("on-destination.png").write_bytes(encoded(soft(DESTINATION_MASK)))
     Path("edges.png").write_bytes(encoded(DESTINATION[:, :, 0]))
     Path("source-edges.png").write_bytes(encoded(SOURCE[:, :, 0]))
+    patch = np.zeros(DESTINATION.shape[:2], np.uint8)
+    patch[14:22, 20:29] = 255
+    Path("patch.png").write_bytes(encoded(patch))
     Path("old.bmp").write_bytes(b"old")
     return set(folder.iterdir())
 
@@ -277,13 +326,16 @@ def split(row: dict, mask_name: str) -> tuple[list[str], dict]:
 
 def check_saved(folder: Path, words: list[str], image: np.ndarray, existing: set[Path]) -> None:
     output = folder / words[words.index("-o") + 1]
-    np.testing.assert_array_equal(load(output), image)
+    saved = load(output) if image.dtype == np.uint8 else tifffile.imread(output)
+    assert saved.dtype == image.dtype
+    np.testing.assert_array_equal(saved, image)
     assert set(folder.iterdir()) == {*existing, output}
 
 
 def check_said(ran, words: list[str]) -> None:
     assert bool(ran.out) == ("--json" in words)
-    lines = [line for line in ran.err.splitlines() if not line.startswith("poisson: hint: ")]
+    aside = ("poisson: hint: ", "poisson: note: ")
+    lines = [line for line in ran.err.splitlines() if not line.startswith(aside)]
     assert len(lines) > 4 if "-v" in words else len(lines) == ("-q" not in words)
 
 
@@ -296,11 +348,13 @@ def test_options_of_clone_and_mix_mean_what_the_keywords_mean(folder, poisson, t
     existing = prepared(folder)
     words, meaning = split(row, "on-{}.png".format("destination" if "destination" in ids(row) else "source"))
     mask = expected_mask(meaning, MASK if meaning["mask_on"] == "source" else DESTINATION_MASK)
+    depth = meaning.pop("DEPTH", np.uint8)
+    destination, source = in_depth(DESTINATION, depth), in_depth(SOURCE, depth)
 
     ran = poisson(tool, "source.png", "destination.png", *words)
 
     assert ran.code == 0, ran.err
-    check_saved(folder, words, getattr(editing, tool)(DESTINATION, SOURCE, mask, **meaning).image, existing)
+    check_saved(folder, words, getattr(editing, tool)(destination, source, mask, **meaning).image, existing)
     check_said(ran, words)
 
 
@@ -313,12 +367,51 @@ def test_options_of_the_other_tools_mean_what_the_keywords_mean(folder, poisson,
     existing = prepared(folder)
     words, meaning = split(row, "on-destination.png")
     masks = [expected_mask(meaning, DESTINATION_MASK)] if "SHAPES" in meaning else []
+    destination = in_depth(DESTINATION, meaning.pop("DEPTH", np.uint8))
 
     ran = poisson(tool, "destination.png", *words)
 
     assert ran.code == 0, ran.err
-    check_saved(folder, words, getattr(editing, tool)(DESTINATION, *masks, **meaning).image, existing)
+    check_saved(folder, words, getattr(editing, tool)(destination, *masks, **meaning).image, existing)
     check_said(ran, words)
+
+
+@pytest.mark.parametrize("tool", [*IN_PLACE, "clone", "mix"])
+def test_every_tool_reads_a_page_and_writes_a_quality(folder, poisson, tool):
+    """The two options that ask for files of their own kinds."""
+    pages = [Image.fromarray(DESTINATION[::-1]), Image.fromarray(DESTINATION)]
+    pages[0].save("pages.tif", save_all=True, append_images=pages[1:])
+    words = {"tile": [], "tonemap": [], "heal": ["--rect", "20,14,9,8"]}.get(tool, ["--rect", "5,4,12,10"])
+    words += ["--amount", "2"] if tool == "focus" else []
+    sources = ["source.png"] if tool in ("clone", "mix") else []
+    assert poisson(tool, *sources, "destination.png", *words, "-o", "one.png").code == 0
+    assert poisson(tool, *sources, "pages.tif", *words, "--page", "2", "-o", "two.png").code == 0
+    np.testing.assert_array_equal(load("two.png"), load("one.png"))
+    for quality in ("20", "90"):
+        outcome = poisson(
+            tool, *sources, "destination.png", *words, "--quality", quality, "-o", f"{quality}.jpg"
+        )
+        assert outcome.code == 0
+    assert Path("20.jpg").stat().st_size < Path("90.jpg").stat().st_size
+    off = [np.abs(load(f"{quality}.jpg").astype(int) - load("one.png")).mean() for quality in (20, 90)]
+    assert off[1] < off[0] < 30
+
+
+def test_every_option_is_crossed_with_every_tool():
+    """Nothing that a command can be told is missing above, but for what says nothing of the picture."""
+    alone = {"page", "quality", "previews", "show"}  # the test above; `test_cli_outputs`
+    impossible = {"heal": {"invert"}}  # next to all of a picture has no place in it
+    for tool, choices in {"clone": CLONED, "mix": IMPORTED, **IN_PLACE}.items():
+        said = {
+            word for options in choices.values() for words, _ in options for word in words if word[0] == "-"
+        }
+        said = {word.partition("=")[0] for word in said}
+        command = cli.get_command(click.Context(cli), tool)
+        for parameter in command.params:
+            if isinstance(parameter, click.Option) and parameter.name not in alone | impossible.get(
+                tool, set()
+            ):
+                assert said & {*parameter.opts, *parameter.secondary_opts}, (tool, parameter.opts)
 
 
 def test_pairs_are_complete():

@@ -118,14 +118,27 @@ USAGE = {
     "sigma of no flattening": ([*CLONE, "--focus", "2", "--sigma", "1"], "--sigma belongs to --flatten"),
     "alpha of no relighting": ([*CLONE, "--alpha", ".1"], "--alpha belongs to --relight; add that."),
     "beta nan": ([*RELIGHT, "--beta", "nan"], "'--beta': 'nan' is not a number"),
+    "beta too large": ([*RELIGHT, "--beta", "1.5"], "'--beta': '1.5' is not a number from -1 to 1"),
+    "channels in Lab": (
+        [*RELIGHT, "--per-channel", "--space", "lab"],
+        "--per-channel needs --space rgb or linear",
+    ),
+    "white too large": ([*TONEMAP, "--white", "101"], "'101' is not a number greater than 0 and at most 100"),
+    "black above white": (
+        [*TONEMAP, "--white", "20", "--black", "30"],
+        "--black is 30, but must be less than --white",
+    ),
     "alpha zero": ([*RELIGHT, "--alpha", "0"], "'0' is not a number greater than 0"),
-    "two gains": ([*RECOLOR, "--gain", "1,2"], "'1,2' is not R,G,B: three numbers, 0 or more, for example"),
+    "two gains": (
+        [*RECOLOR, "--gain", "1,2"],
+        "'1,2' is not R,G,B: three numbers from 0 to 1000, for example",
+    ),
     "negative gain": ([*RECOLOR, "--gain", "1,2,-1"], "'1,2,-1' is not R,G,B"),
     "hue as a word": ([*RECOLOR, "--hue", "red"], "'red' is not a number"),
-    "saturation negative": ([*RECOLOR, "--saturation", "-1"], "'-1' is not a number, 0 or greater"),
+    "saturation negative": ([*RECOLOR, "--saturation", "-1"], "'-1' is not a number from 0 to 1000"),
     "no amount": (FOCUS[:4] + FOCUS[6:], "Missing option '--amount'"),
-    "amount negative": ([*FOCUS, "--amount", "-1"], "'-1' is not a number, 0 or greater"),
-    "focus negative": ([*CLONE, "--focus", "-1"], "'-1' is not a number, 0 or greater"),
+    "amount negative": ([*FOCUS, "--amount", "-1"], "'-1' is not a number from 0 to 1000"),
+    "focus negative": ([*CLONE, "--focus", "-1"], "'-1' is not a number from 0 to 1000"),
     "screen negative": ([*HEAL, "--screen", "-1"], "'-1' is not a number, 0 or greater"),
     "patch from nowhere": ([*HEAL, "--from", "left"], "'left' is not X,Y"),
     "reach of no search": (
@@ -138,7 +151,7 @@ USAGE = {
     "no pictures to tile": (["tile", "-o", "out.png"], "Missing argument 'IMAGE...'"),
     "two pictures, one output": (
         "tile destination.png grey.png -o out.png".split(),
-        "2 pictures, but 1 outputs: give -o once for each, or once with a folder that exists.",
+        "2 pictures, but 1 x -o: give it once for each, or once with a folder that exists.",
     ),
     "one picture, two previews": (
         [*TILE, "--preview", "a.png", "--preview", "b.png"],
@@ -247,7 +260,7 @@ INPUT = {
     "faint mask": (
         replaced(FILL, "dest-mask.png", "ones.png"),
         "the selection is empty: the brightest pixel of a mask is 1, below the threshold of 128 "
-        "(lower it: --mask-threshold 1)",
+        "(lower it: --mask-threshold 1; or choose from a map of labels: :index=1)",
     ),
     "rectangle outside": (
         "fill grey.png --rect 48,0,5,5 -o out.png".split(),
@@ -266,20 +279,15 @@ INPUT = {
         [*CLONE, "--flatten", "--edges", "dest-mask.png"],
         "edges dest-mask.png are 48x40, but source.png is 30x24; draw them on that picture",
     ),
-    "beta too large": ([*RELIGHT, "--beta", "1.5"], "beta"),
     "colours of grey": (replaced(RECOLOR, "destination.png", "grey.png"), "channel"),
     "grey in Lab": (
         [*replaced(FILL, "destination.png", "grey.png"), "--space", "lab"],
         "CIE-Lab needs red, green and blue",
     ),
-    "channels in Lab": (
-        [*RELIGHT, "--per-channel", "--space", "lab"],
-        "per_channel needs the space 'rgb' or 'linear'",
-    ),
     "patch outside": ([*HEAL, "--from", "40,0"], "a patch 9x8 at 60,14 leaves the picture"),
     "nowhere to search": (
         "heal destination.png --rect 4,4,40,32 -o out.png".split(),
-        "offset",
+        "no room for a patch",
     ),
     "tile outside": ([*TILE, "--rect", "30,0,30,30"], "rect"),
     "tile too thin": ([*TILE, "--rect", "0,0,2,30"], "3"),
@@ -288,7 +296,6 @@ INPUT = {
         "destination.png is 48x40, but source.png is 30x24; pictures that belong together have one size",
     ),
     "second map missing": ("tile destination.png no.png -o a.png -o b.png".split(), "no.png: no such file"),
-    "white too large": ([*TONEMAP, "--white", "101"], "white"),
     "outside the destination": (
         [*CLONE, "--at", "48,0"],
         "the selection lies wholly outside: with its corner at 48,0 the source",

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import tifffile
 
 from poisson_cli import editing
 from poisson_cli.images import together
@@ -209,3 +210,25 @@ def test_rescaling_says_by_how_much(folder, poisson):
     assert after["overshoot"] <= 1e-3 and after["clipped"] == 0 and 0 < after["scale"] < 1
     assert f", gradients x {after['scale']:.2g} to fit the range, " in rescaled.err
     assert f", by {before['overshoot']:.1f} levels at most" in clipped.err
+
+
+@pytest.mark.parametrize(("depth", "dtype"), [("8", np.uint8), ("16", np.uint16)])
+def test_tone_mapping_sees_the_whole_range_before_it_is_converted(folder, poisson, depth, dtype):
+    """A file of floats may go far beyond white: what is asked for is the depth of the result."""
+    light = (DESTINATION / 255.0).astype(np.float32) ** 3 * 40
+    tifffile.imwrite("light.tif", light, photometric="rgb")
+    words = ["tonemap", "light.tif", "--gamma", "2.2", "--bit-depth", depth, "-o", "out.tif"]
+    ran = poisson(*words)
+    assert ran.code == 0
+    assert "converted from floating point" in ran.err and "outside 0 to 1" not in ran.err
+    out = tifffile.imread("out.tif")
+    expected = editing.tonemap(light, gamma=2.2).image * np.iinfo(dtype).max
+    assert out.dtype == dtype
+    np.testing.assert_array_equal(out, np.rint(expected).astype(dtype))
+
+
+def test_tone_mapping_asks_early_whether_the_depth_fits(folder, poisson):
+    tifffile.imwrite("light.tif", np.zeros((9, 9), np.float32))
+    ran = poisson("tonemap", "light.tif", "--bit-depth", "16", "-o", "out.jpg")
+    assert ran.code == 4
+    assert "JPEG cannot hold the depth of light.tif (16 bits per channel)" in ran.err

@@ -95,6 +95,8 @@ def test_over_may_be_a_jpeg_but_a_mask_may_not(folder, poisson):
         "poisson: error: out.jpg: JPEG would blur the mask; choose another format, such as PNG\n",
     )
     assert not Path("out.jpg").exists()
+    lossy = poisson("mask", "alpha.png", "-m", "dest-mask.png", "-o", "out.webp", "--quality", "60")
+    assert (lossy.code, "out.webp: WebP would blur the mask" in lossy.err) == (4, True)
     assert poisson("mask", "alpha.png", "-m", "dest-mask.png", "--over", "-o", "out.jpg").code == 0
 
 

@@ -98,6 +98,50 @@ def test_stdout_that_is_a_file_is_written_into():
     np.testing.assert_array_equal(load("sent.png"), FILLED)
 
 
+@pytest.mark.parametrize("name", ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"])
+def test_what_others_wrote_to_stdout_stays(name):
+    """A file that is opened by the name of stdout is opened anew, and written from its beginning."""
+    Path("log").write_bytes(b"precious")
+    ran = shell(f"poisson fill grey.png -m dest-mask.png -o {name} --format png -q >> log")
+    assert ran.returncode == 0, ran.stderr
+    assert Path("log").read_bytes()[:16] == b"precious\x89PNG\r\n\x1a\n"
+    ran = shell(f"{{ echo one; poisson fill grey.png -m dest-mask.png -o {name} --format png -q; }} > both")
+    assert Path("both").read_bytes()[:8] == b"one\n\x89PNG"
+
+
+def test_a_socket_is_a_standard_output_too(folder):
+    ours, theirs = socket.socketpair()
+    words = "fill grey.png -m dest-mask.png -o /dev/stdout --format ppm -q".split()
+    with ours, theirs:
+        ran = subprocess.run([*POISSON.split(), *words], stdout=theirs, stderr=subprocess.PIPE, timeout=60)
+        theirs.close()
+        assert (ran.returncode, ran.stderr) == (0, b"")
+        assert ours.recv(2) == b"P5"
+
+
+def test_nowhere_needs_no_format():
+    assert shell("poisson fill alpha.png -m dest-mask.png -o /dev/null").returncode == 0
+
+
+def test_a_report_that_finds_no_room_is_an_error_but_the_picture_is_there():
+    ran = shell("poisson fill grey.png -m dest-mask.png -o out.png --json -q > /dev/full")
+    assert (ran.returncode, ran.stderr) == (
+        4,
+        b"poisson: error: standard output: the report cannot be written (No space left on device), "
+        b"but out.png was\n",
+    )
+    np.testing.assert_array_equal(load("out.png"), FILLED)
+
+
+@pytest.mark.parametrize("words", ["--help", "fill --help", "--version"])
+def test_help_that_finds_no_room_is_an_error(words):
+    ran = shell(f"poisson {words} > /dev/full")
+    assert (ran.returncode, ran.stderr) == (
+        4,
+        b"poisson: error: standard output: cannot be written (No space left on device)\n",
+    )
+
+
 def test_a_named_pipe_is_written_into_and_stays_one(folder, poisson):
     os.mkfifo("pipe.png")
     got = []

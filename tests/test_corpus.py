@@ -45,7 +45,7 @@ def test_whole_files_are_read_in_every_role(name):
             "convert one of them",
             "is converted",
             "the selection is empty",
-            "needs red, green and blue",
+            "made of red, green and blue",
         )
         assert outcome.code == 0 or any(reason in outcome.err for reason in reasons), outcome.err
 

@@ -127,7 +127,7 @@ def test_the_variants_of_cloning_are_shown():
 
 def test_what_helps_against_bleeding_is_shown():
     texts = " ".join(command.text for scene in SCENES for command in scene.commands)
-    for option in ("--screen", "--robust", "--space lab"):
+    for option in ("--screen", "--robust", "--rescale", "--space lab"):
         assert option in texts
 
 
@@ -243,6 +243,16 @@ def test_screening_brings_the_colours_of_the_source_back(gallery):
         np.abs(read(folder / name).pixels - wanted)[inside].mean() for name in ("clone.png", RESULT)
     )
     assert screened < 0.6 * cloned
+
+
+def test_rescaling_brings_the_blacks_back(gallery):
+    scene = next(scene for scene in SCENES if scene.name == "clone-rescale")
+    folder = gallery.folder / scene.name
+    inside = selection(gallery, scene, scene.commands[-1])
+    clipped, fitted = (read(folder / name).pixels[inside].astype(float) for name in ("clone.png", RESULT))
+    dark = fitted @ (0.2126, 0.7152, 0.0722) < 40
+    red = [(pixels[:, 0] - pixels[:, 2])[dark].mean() for pixels in (clipped, fitted)]
+    assert dark.sum() > 300 and red[1] < red[0] - 25
 
 
 def test_a_robust_border_keeps_the_light_where_it_is(gallery):

@@ -27,6 +27,13 @@ def test_thresholds_are_levels_per_pixel(dtype):
     assert 25 <= columns.min() <= columns.max() <= 34
 
 
+def test_a_single_channel_may_have_an_axis_of_its_own():
+    picture = crop("coins.png", 90, 101)
+    edges = find_edges(picture)
+    assert edges.any()
+    np.testing.assert_array_equal(find_edges(picture[:, :, np.newaxis]), edges)
+
+
 def test_colours_of_one_luminance_have_edges():
     picture = np.zeros((30, 30, 3), np.uint8)
     picture[:, :15, 0], picture[:, 15:, 1] = 200, 60
@@ -46,6 +53,7 @@ def test_the_outline_of_the_selection_is_no_edge():
     found = flatten(picture, mask)
     np.testing.assert_array_equal(found.image, given.image)
     assert found.report.edge_share == given.report.edge_share == find_edges(picture)[mask].mean()
+    assert [*found.report.seconds] == ["edges", *given.report.seconds]
 
 
 @pytest.mark.parametrize(

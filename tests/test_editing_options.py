@@ -23,6 +23,7 @@ from tests.regions import disk, lasso
 
 PICTURE = crop("coffee.png", 40, 50, top=150)
 GREY = crop("camera.png", 40, 50)
+TWO = PICTURE[:, :, :2]
 MASK = lasso(40, 50)
 SMALL = np.zeros((40, 50), bool)
 SMALL[20:30, 20:30] = disk(10, 10)
@@ -38,11 +39,18 @@ SMALL[20:30, 20:30] = disk(10, 10)
         (lambda: clone(PICTURE, PICTURE, MASK, then=[Attenuate(alpha=0)]), "alpha is 0"),
         (lambda: focus(PICTURE, MASK, amount=np.inf), "amount is inf"),
         (lambda: relight(PICTURE, MASK, alpha=-0.2), "alpha is -0.2"),
-        (lambda: relight(PICTURE, MASK, beta=1.5), "beta is 1.5.*at most 1"),
+        (lambda: relight(PICTURE, MASK, beta=1.5), "beta is 1.5.*from -1 to 1"),
+        (lambda: relight(PICTURE, MASK, beta=-1.5), "beta is -1.5.*from -1 to 1"),
+        (lambda: relight(PICTURE, MASK, alpha=1e4), "alpha is 10000.*above 0 and at most 1000"),
+        (lambda: focus(PICTURE, MASK, amount=1e6), "amount is 1000000.*from 0 to 1000"),
         (lambda: relight(PICTURE, MASK, per_channel=True, space="lab"), "per_channel needs"),
+        (lambda: clone(GREY, GREY, MASK, then=[Attenuate()], space="lab"), "CIE-Lab.*1 channel:"),
+        (lambda: mix(TWO, TWO, MASK, then=[Attenuate()]), "luminance needs.*2 channels"),
         (lambda: relight(PICTURE[:, :, :2], MASK), "2 channels"),
         (lambda: recolor(PICTURE, MASK, gain=(1, 1)), "gain is .* three numbers"),
         (lambda: recolor(PICTURE, MASK, gain=(1, -1, 1)), "gain is"),
+        (lambda: recolor(PICTURE, MASK, gain=(1, 1001, 1)), "gain is .* from 0 to 1000"),
+        (lambda: recolor(PICTURE, MASK, gain=(1, np.nan, 1)), "gain is"),
         (lambda: recolor(PICTURE, MASK, hue=np.nan), "hue is nan"),
         (lambda: recolor(PICTURE, MASK, saturation=-1), "saturation is -1"),
         (lambda: recolor(GREY, MASK), "red, green and blue.*1 channel$"),
@@ -62,6 +70,7 @@ SMALL[20:30, 20:30] = disk(10, 10)
         (lambda: heal(PICTURE, MASK), "no room for a patch"),
         (lambda: tonemap(PICTURE, alpha=0), "alpha is 0.*above 0"),
         (lambda: tonemap(PICTURE, beta=1.1), "beta is 1.1.*from 0 to 1"),
+        (lambda: tonemap(PICTURE, saturation=11), "saturation is 11.*from 0 to 10"),
         (lambda: tonemap(PICTURE, black=99, white=50), "black is 99 and white 50"),
         (lambda: tonemap(PICTURE, floor=0), "floor is 0"),
         (lambda: tonemap(PICTURE, gamma=0), "gamma is 0"),
@@ -84,12 +93,11 @@ def test_a_patch_may_touch_the_edge_of_the_picture():
     assert heal(PICTURE, SMALL, offset=(-20, -20)).report.offset == (-20, -20)
 
 
-@pytest.mark.parametrize("space", ["rgb", "linear", "lab"])
+@pytest.mark.parametrize("space", ["rgb", "linear"])
 @pytest.mark.parametrize("dtype", [np.uint8, np.float64])
 def test_rescaling_takes_the_largest_scale_that_fits(space, dtype):
     """With a little more something leaves the range; the scale is that of the gradients."""
-    picture = PICTURE if dtype is np.uint8 else PICTURE / 255
-    picture = picture // 2 + 64 if dtype is np.uint8 else picture / 2 + 0.25
+    picture = PICTURE[..., 0] // 2 + 64 if dtype is np.uint8 else PICTURE[..., 0] / 510 + 0.25
     plain = focus(picture, MASK, amount=6.0, space=space)
     assert plain.report.overshoot > 1 and plain.report.scale == 1
     fitted = focus(picture, MASK, amount=6.0, space=space, rescale=True)
@@ -101,6 +109,43 @@ def test_rescaling_takes_the_largest_scale_that_fits(space, dtype):
     assert np.abs(again.image.astype(float) - fitted.image).max() <= (1 if dtype is np.uint8 else 1e-5)
     more = focus(picture, MASK, amount=6.0 * (scale + 0.01), space=space)
     assert more.report.overshoot > 1e-3
+
+
+@pytest.mark.parametrize("space", ["rgb", "linear", "lab"])
+def test_colours_that_rescaling_fits_keep_their_luminance_and_hue(space):
+    picture = crop("astronaut.png", 40, 50, top=300, left=120) / 255
+    fitted = focus(picture, MASK, amount=6.0, space=space, rescale=True)
+    assert fitted.image.min() >= 0 and fitted.image.max() <= 1
+    plain = focus(picture, MASK, amount=6.0 * fitted.report.scale, space=space).image
+    weights = np.array([0.2126, 0.7152, 0.0722])
+    luminance = plain @ weights
+    could_be_larger = luminance.min() > 1e-3 and luminance.max() < 1 - 1e-3
+    assert fitted.report.scale == 1 or not could_be_larger
+    np.testing.assert_allclose(fitted.image @ weights, luminance, atol=1e-5)
+    fits = ((plain >= 0) & (plain <= 1)).all(-1)
+    assert 0.1 < fits[MASK].mean() < 0.99
+    np.testing.assert_allclose(fitted.image[fits], plain[fits], atol=1e-5)
+    colour, faded = (image - (image @ weights)[..., None] for image in (plain, fitted.image))
+    lengths = np.linalg.norm(colour, axis=-1) * np.linalg.norm(faded, axis=-1)
+    np.testing.assert_allclose((colour * faded).sum(-1), lengths, atol=1e-4)
+
+
+def test_rescaling_leaves_no_ghost_of_a_saturated_picture():
+    """A single channel at its end takes no contrast away: red made to glow stays where it is."""
+    picture = np.full((40, 50, 3), (250, 60, 60), np.uint8)
+    picture[15:25, 20:30] = (255, 30, 30)
+    edit = focus(picture, MASK, amount=1.5, rescale=True)
+    assert edit.report.scale == 1 and edit.report.clipped == 0
+    assert focus(picture, MASK, amount=1.5).report.clipped > 0
+
+
+@pytest.mark.parametrize("space", ["rgb", "linear", "lab"])
+def test_rescaling_a_screened_recolouring_clips_nothing(space):
+    """Its source leaves the range, and so does the screened solution for no gradients at all: the membrane does not."""
+    edit = recolor(PICTURE, MASK, gain=(3, 0.5, 0.5), screen=0.1, space=space)
+    assert edit.report.clipped > 100
+    fitted = recolor(PICTURE, MASK, gain=(3, 0.5, 0.5), screen=0.1, space=space, rescale=True)
+    assert fitted.report.clipped == 0 and fitted.report.scale > 0.3
 
 
 def test_no_argument_is_modified():

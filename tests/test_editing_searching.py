@@ -127,3 +127,13 @@ def test_there_must_be_room():
     for mask in (np.ones((40, 50), bool), disk(40, 50)):
         with pytest.raises(InputError, match="no room in the picture|no room for a patch"):
             search(image, mask)
+
+
+def test_the_time_of_a_search_counts():
+    image, mask = crop("coffee.png", 60, 70, top=150), np.zeros((60, 70), bool)
+    mask[20:30, 20:30] = disk(10, 10)
+    found = heal(image, mask).report
+    assert list(found.seconds) == ["search", "guidance", "solve", "paste"]
+    assert found.seconds["search"] > 0
+    assert found.offset is not None
+    assert list(heal(image, mask, offset=found.offset).report.seconds) == ["guidance", "solve", "paste"]

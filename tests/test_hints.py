@@ -45,8 +45,11 @@ def test_an_even_shift_is_what_these_tools_are_for(tool):
         ({"scale": 0.26, "guarded": True}, ["ghost; try --space lab instead"]),
         ({"scale": 0.26, "space": "lab"}, ["ghost; try --screen .001 instead"]),
         ({"scale": 0.26, "space": "lab", "guarded": True}, ["ghost; leave --rescale out"]),
-        ({"scale": 0.26, "tool": "focus"}, ["ghost; choose a smaller --amount"]),
-        ({"boundary_mismatch": None, "edge_share": 0.0}, ["lower --high"]),
+        (
+            {"scale": 0.26, "tool": "focus"},
+            ["to 26% of what was asked for", "no room", "a smaller --amount"],
+        ),
+        ({"boundary_mismatch": None, "edge_share": 0.0}, ["lower --high and --low, or mark edges"]),
         ({"advice": "multigrid would do"}, ["multigrid would do"]),
     ],
     ids=str,

@@ -287,6 +287,52 @@ def encoded_mode(mode: str, form: str, **settings) -> bytes:
     return file.getvalue()
 
 
+@pytest.mark.parametrize(
+    ("compression", "name"), [(50001, "WebP"), (34712, "JPEG 2000"), (34887, "LERC"), (4711, "method 4711")]
+)
+def test_a_tiff_that_is_packed_in_another_way_is_refused_by_its_name(compression, name):
+    data = tiff(RGB, photometric="rgb")
+    packed = data.replace(struct.pack("<HHII", 259, 3, 1, 1), struct.pack("<HHII", 259, 3, 1, compression))
+    assert packed != data
+    assert refusal(packed) == (
+        f"a file: a TIFF compressed with {name}, which is not read; save it with LZW or Deflate first"
+    )
+
+
+def raw_file(kind: str) -> bytes:
+    """As cameras write them: a preview, and what the sensor saw somewhere else."""
+    if kind == "CR2":
+        data = tiff(RGB, photometric="rgb")
+        return data[:8] + b"CR\2\0" + data[8:]
+    tags = [(50706, "B", 4, (1, 4, 0, 0), True)] if kind == "DNG" else []
+    file = io.BytesIO()
+    with tifffile.TiffWriter(file) as writer:
+        writer.write(RGB, photometric="rgb", subfiletype=1, subifds=1, extratags=tags)
+        writer.write(np.zeros((64, 64), np.uint16), photometric="cfa", subfiletype=0)
+    return file.getvalue()
+
+
+@pytest.mark.parametrize("kind", ["DNG", "NEF", "CR2"])
+def test_the_preview_in_a_raw_file_is_not_taken_for_the_picture(kind):
+    data = raw_file(kind)
+    if kind == "CR2":  # the mark is in the way of the first directory, which Canon puts behind it
+        data = data[:4] + struct.pack("<I", struct.unpack_from("<I", data, 4)[0] + 4) + data[8:]
+    assert refusal(data) == "a file: a camera's raw file; develop it, and save a TIFF of 16 bits first"
+
+
+@pytest.mark.parametrize("name", ["profile", "compressed text"])
+def test_a_png_may_have_long_texts(name):
+    long = bytes(range(256)) * 8192  # 2 MiB
+    block = b"zTXt", b"plan\0\0" + zlib.compress(long)
+    if name == "profile":
+        block = b"iCCP", b"wide\0\0" + zlib.compress(long)
+    data = encoded(RGB)
+    body = struct.pack(">I", len(block[1])) + b"".join(block) + struct.pack(">I", zlib.crc32(b"".join(block)))
+    picture = decode(data[:33] + body + data[33:])
+    np.testing.assert_array_equal(picture.pixels, RGB)
+    assert picture.metadata.profile == (long if name == "profile" else None)
+
+
 def test_inks_are_refused():
     assert refusal(encoded_mode("CMYK", "JPEG")) == ("a file: a CMYK JPEG; convert it to RGB or grey first")
 
@@ -298,6 +344,9 @@ def test_inks_are_refused():
         (b"%PDF-1.7", "PDF"),
         (b"\0\0\0\x20ftypheic", "HEIC"),
         (b"\0\0\0\x20ftypavif", "AVIF"),
+        (b"\0\0\0\x20ftypisom", "a video"),
+        (b"\0\0\0\x20ftypcrx ", "a camera's raw file"),
+        (b"FUJIFILMCCD-RAW 0201", "a camera's raw file"),
         (b"\xff\x0a", "JPEG XL"),
         (b"PK\x03\x04", "ZIP archive"),
     ],
@@ -430,6 +479,32 @@ def names(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
+@pytest.fixture(params=["nameless", "named"])
+def temporary(request, monkeypatch):
+    """The two ways to write a file that is not there before all of it is: not every system has the first."""
+    if request.param == "named":
+        monkeypatch.delattr(os, "O_TMPFILE")
+    return request.param
+
+
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_there_is_nothing_to_be_seen_before_all_is_on_the_disk(tmp_path, monkeypatch, temporary, overwrite):
+    """So that SIGKILL, which nothing can tidy up after, leaves nothing either."""
+    seen = []
+    sync = os.fsync
+
+    def look_and_sync(descriptor: int) -> None:
+        if stat.S_ISREG(os.fstat(descriptor).st_mode):
+            seen.append([path.read_bytes() for path in tmp_path.iterdir()])
+        sync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", look_and_sync)
+    writing.save(b"new", tmp_path / "a", overwrite=overwrite)
+    assert seen == [[] if temporary == "nameless" else [b"new"]]
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {"a": b"new"}
+
+
+@pytest.mark.usefixtures("temporary")
 @pytest.mark.parametrize("umask", [0o022, 0o077, 0o002])
 def test_a_new_file_has_the_mode_that_the_umask_leaves(tmp_path, umask):
     usual = os.umask(umask)
@@ -440,6 +515,7 @@ def test_a_new_file_has_the_mode_that_the_umask_leaves(tmp_path, umask):
     assert stat.S_IMODE((tmp_path / "a").stat().st_mode) == 0o666 & ~umask
 
 
+@pytest.mark.usefixtures("temporary")
 def test_a_replaced_file_keeps_its_mode(tmp_path):
     path = tmp_path / "a"
     path.write_bytes(b"old")
@@ -447,6 +523,27 @@ def test_a_replaced_file_keeps_its_mode(tmp_path):
     writing.save(b"new", path, overwrite=True)
     assert (path.read_bytes(), stat.S_IMODE(path.stat().st_mode)) == (b"new", 0o640)
     assert names(tmp_path) == ["a"]
+
+
+@pytest.mark.usefixtures("temporary")
+def test_a_replaced_file_keeps_its_owner(tmp_path, monkeypatch):
+    """Whom it belongs to is for root to say, so what the system is asked is looked at."""
+    path = tmp_path / "a"
+    path.write_bytes(b"old")
+    asked = []
+    monkeypatch.setattr(os, "chown", lambda _, *whose: asked.append(whose))
+    writing.save(b"new", path, overwrite=True)
+    assert asked == [(path.stat().st_uid, path.stat().st_gid)]
+    monkeypatch.setattr(os, "chown", failing(PermissionError(1, "Operation not permitted")))
+    writing.save(b"newer", path, overwrite=True)
+    assert path.read_bytes() == b"newer"
+
+
+def failing(error):
+    def fail(*_):
+        raise error
+
+    return fail
 
 
 def test_a_link_is_followed_and_stays_a_link(tmp_path):
@@ -461,6 +558,7 @@ def test_a_link_is_followed_and_stays_a_link(tmp_path):
     assert names(tmp_path / "folder") == ["real.png"]
 
 
+@pytest.mark.usefixtures("temporary")
 @pytest.mark.parametrize(
     ("module", "step", "overwrite"),
     [
@@ -495,13 +593,15 @@ def test_nothing_is_left_whatever_happens(tmp_path, monkeypatch, module, step, o
     )
 
 
-def test_an_encoder_that_fails_leaves_nothing(tmp_path, monkeypatch):
+@pytest.mark.parametrize("name", ["a.jpg", "a.webp"])
+@pytest.mark.parametrize("kind", [OSError, ValueError])
+def test_an_encoder_that_fails_leaves_nothing(tmp_path, monkeypatch, name, kind):
     def fail(*_, **__):
-        raise OSError("encoder error -2 when writing image file")
+        raise kind("encoding error 6")
 
-    target = images.prepare(tmp_path / "a.png", overwrite=False)
+    target = images.prepare(tmp_path / name, overwrite=False)
     monkeypatch.setattr(Image.Image, "save", fail)
-    with pytest.raises(OutputError, match="encoder error -2"):
+    with pytest.raises(OutputError, match=rf"{name}: cannot be written \(encoding error 6\)"):
         images.write(target, picture(RGB))
     assert names(tmp_path) == []
 
@@ -523,11 +623,12 @@ def test_a_file_system_without_hard_links(tmp_path, monkeypatch):
     assert names(tmp_path) == ["a"]
 
 
+@pytest.mark.usefixtures("temporary")
 def test_a_file_is_never_replaced_without_leave(tmp_path):
     (tmp_path / "a").write_bytes(b"old")
     with pytest.raises(FileExistsError):
         writing.save(b"new", tmp_path / "a", overwrite=False)
-    assert (tmp_path / "a").read_bytes() == b"old"
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {"a": b"old"}
     assert names(tmp_path) == ["a"]
 
 

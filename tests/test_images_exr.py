@@ -15,10 +15,10 @@ from tests.kinds import FLOAT_GREY, FLOAT_RGB, HEIGHT, WIDTH
 OPAQUE = np.ones((HEIGHT, WIDTH), np.float32)
 
 
-def made(planes: dict[str, np.ndarray]) -> bytes:
+def made(planes: dict[str, np.ndarray], **more: object) -> bytes:
     """A file by the library itself."""
     file = io.BytesIO()
-    header = {"compression": OpenEXR.PIZ_COMPRESSION, "type": OpenEXR.scanlineimage}
+    header = {"compression": OpenEXR.PIZ_COMPRESSION, "type": OpenEXR.scanlineimage, **more}
     OpenEXR.File(header, {name: np.ascontiguousarray(plane) for name, plane in planes.items()}).write(file)
     return file.getvalue()
 
@@ -46,6 +46,28 @@ def test_floats_and_halves_are_read_as_they_are():
     picture = images.decode(made(rgb(halves)), "a")
     np.testing.assert_array_equal(picture.pixels, halves.astype(np.float32))
     assert (picture.depth, picture.alpha) == ("float", None)
+
+
+@pytest.mark.parametrize("name", ["NO", "RLE", "ZIPS", "ZIP", "PIZ"])
+@pytest.mark.parametrize("tiled", [False, True])
+def test_compressions_and_tiles(name, tiled):
+    more = {"compression": getattr(OpenEXR, f"{name}_COMPRESSION")}
+    if tiled:
+        more |= {"type": OpenEXR.tiledimage, "tiles": OpenEXR.TileDescription()}
+    np.testing.assert_array_equal(images.decode(made(rgb(FLOAT_RGB), **more), "a").pixels, FLOAT_RGB)
+
+
+def test_a_part_of_a_larger_picture_is_told():
+    window = (np.array([-3, -4], np.int32), np.array([99, 98], np.int32))
+    with images.asking() as asking:
+        picture = images.decode(made(rgb(FLOAT_RGB), displayWindow=window), "a")
+    np.testing.assert_array_equal(picture.pixels, FLOAT_RGB)
+    assert asking.notices == [
+        "a is part of a larger picture, or a larger one than is shown: the output says no longer which"
+    ]
+    with images.asking() as asking:
+        images.decode(made(rgb(FLOAT_RGB)), "a")
+    assert asking.notices == []
 
 
 def test_its_library_reads_ours():

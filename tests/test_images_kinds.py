@@ -10,7 +10,8 @@ import tifffile
 from PIL import Image
 
 from poisson_cli import defaults
-from poisson_cli.images import Picture, formats, reading, writing
+from poisson_cli.errors import OutputError
+from poisson_cli.images import Picture, formats, reading, target, writing
 from tests import formats_table
 from tests.kinds import (
     DEEP_GREY,
@@ -29,8 +30,11 @@ from tests.kinds import (
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_files_of_others_are_read_as_they_are(name):
+def test_files_of_others_are_read_as_they_are(name, monkeypatch):
     kind = KINDS[name]()
+    monkeypatch.setattr(
+        Image, "MAX_IMAGE_PIXELS", 10
+    )  # of no effect: a picture of 100 megapixels is none too many
     picture = reading.decode(kind.data, "a file")
     assert picture.pixels.dtype == kind.pixels.dtype
     assert picture.pixels.shape == kind.pixels.shape
@@ -130,6 +134,16 @@ def test_others_read_our_files_as_they_are(form, picture):
     back = reading.decode(data, "ours")
     np.testing.assert_array_equal(stack_of(back, form), expected)
     assert back.channels == picture.channels or not form.grey
+
+
+def test_a_name_that_says_grey_is_kept_to(tmp_path):
+    grey, colours = Picture("grey.png", GREY), Picture("colours.png", RGB)
+    target.prepare(tmp_path / "a.pgm").check_fits(grey)
+    with pytest.raises(OutputError, match="a.pgm: a PGM is grey, and colours.png is RGB; name it .ppm"):
+        target.prepare(tmp_path / "a.pgm").check_fits(colours)
+    target.prepare(tmp_path / "a.pgm", form="ppm").check_fits(colours)
+    with pytest.raises(OutputError, match="the ending .pbm does not tell a picture format"):
+        target.prepare(tmp_path / "a.pbm")
 
 
 def test_radiance_rounds_to_the_nearest_it_has():

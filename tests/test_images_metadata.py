@@ -140,6 +140,58 @@ def test_a_block_is_changed_in_place(order):
     assert exif.of_upright(after) == after
 
 
+IPTC = b"\x1c\x02\x78\x00\x0bA captioned"  # record 2, data set 120, eleven bytes
+WIDTH, HEIGHT = 0xA002, 0xA003
+
+
+def captioned(data: bytes) -> bytes:
+    """A JPEG with IPTC's records and, as Photoshop has them, a preview beside."""
+    resources = b"".join(
+        struct.pack(">4sHHI", b"8BIM", number, 0, len(body)) + body + bytes(len(body) % 2)
+        for number, body in ((0x040C, b"\xff\xd8 a preview that should not be seen"), (0x0404, IPTC))
+    )
+    body = b"Photoshop 3.0\0" + resources
+    return data[:2] + struct.pack(">HH", 0xFFED, len(body) + 2) + body + data[2:]
+
+
+def test_captions_go_along():
+    picture = reading.decode(captioned(stored("JPEG")), "a")
+    again = writing.encode(picture, formats.JPEG)
+    with Image.open(io.BytesIO(again)) as image:
+        assert image.info["photoshop"] == {0x0404: IPTC}
+    assert b"should not be seen" not in again
+    as_tiff = writing.encode(picture, formats.TIFF)
+    with tifffile.TiffFile(io.BytesIO(as_tiff)) as file:
+        assert bytes(file.pages[0].tags[33723].value) == IPTC
+    assert reading.decode(as_tiff, "a").metadata.iptc == IPTC
+    assert writing.fitting(picture.metadata, formats.PNG)[1] == ("iptc",)
+
+
+@pytest.mark.parametrize(
+    "output", [formats.PNG, formats.JPEG, formats.WEBP, formats.TIFF], ids=lambda f: f.name
+)
+def test_the_size_that_is_told_is_that_of_the_output(output):
+    """It was turned, and could have been cut out."""
+    turned = np.ascontiguousarray(np.rot90(RGB, 1))
+    tags = Image.Exif()
+    tags[ORIENTATION] = 6
+    tags.get_ifd(0x8769).update({WIDTH: turned.shape[1], HEIGHT: turned.shape[0]})
+    xmp = (
+        b'<x:xmpmeta xmlns:x="adobe:ns:meta/"><rdf:Description exif:PixelXDimension="37" tiff:ImageLength=\'53\'>'
+        b"<xmp:Thumbnails><rdf:Alt><rdf:li>bm90IHRvIGJlIHNlZW4=</rdf:li></rdf:Alt></xmp:Thumbnails>"
+        b"<exif:PixelYDimension>53</exif:PixelYDimension></rdf:Description></x:xmpmeta>"
+    )
+    picture = reading.decode(pillow(turned, "JPEG", exif=tags.tobytes(), xmp=xmp), "a")
+    assert picture.shape == RGB.shape[:2]
+    told, info = found(writing.encode(picture, output))
+    inner = told.get_ifd(0x8769)
+    assert (inner[HEIGHT], inner[WIDTH]) == RGB.shape[:2]
+    assert info["xmp"] == (
+        b'<x:xmpmeta xmlns:x="adobe:ns:meta/"><rdf:Description exif:PixelXDimension="53" tiff:ImageLength=\'37\'>'
+        b"<exif:PixelYDimension>37</exif:PixelYDimension></rdf:Description></x:xmpmeta>"
+    )
+
+
 def test_any_bytes_are_a_block_or_none():
     rng = np.random.default_rng(7)
     for _ in range(2000):
@@ -148,6 +200,7 @@ def test_any_bytes_are_a_block_or_none():
             damaged[place] = rng.integers(256)
         short = bytes(damaged[: rng.integers(8, len(damaged) + 1)])
         assert len(exif.of_upright(short)) == len(short)
+        assert len(exif.of_size(short, 3, 4)) == len(short)
         assert isinstance(exif.orientation(short), int)
     assert exif.bare(b"Exif\0\0") is None
     assert exif.bare(None) is None
@@ -288,8 +341,9 @@ def test_reduced_copies_are_no_pages(folder):
 
 
 def test_premultiplied_colours_are_refused():
-    four = np.dstack((DEEP_RGB, DEEP_RGB[..., :1]))
-    with pytest.raises(InputError, match="premultiplied alpha"):
+    four = np.dstack((DEEP_RGB, np.full_like(DEEP_RGB[..., :1], 65535)))
+    four[5, 7, 3] = 65534
+    with pytest.raises(InputError, match="premultiplied alpha, transparent in places"):
         images.decode(tiff(four, photometric="rgb", extrasamples=["assocalpha"]), "a")
 
 

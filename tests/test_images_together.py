@@ -49,7 +49,7 @@ def test_one_that_fails_undoes_the_others(tmp_path, monkeypatch, old, last, link
             raise error
         real(target, picture, before_commit)
 
-    def no_links(*_):
+    def no_links(*_, **__):
         raise OSError(errno.EPERM, "not here")
 
     monkeypatch.setattr(together_module, "write", write)

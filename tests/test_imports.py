@@ -99,7 +99,7 @@ def test_only_the_command_line_knows_click(path):
         "poisson_cli/options.py",
         "poisson_cli/params.py",
         "poisson_cli/commands/",
-        "poisson_cli/batch/checking.py",
+        "poisson_cli/batch/reading.py",
         "poisson_cli/batch/grammar.py",
     )
     for one in foreign(path):

@@ -139,6 +139,8 @@ def test_parts_that_are_not_there(canvas, name, text):
         b"\xef\xbb\xbf# a triangle\r\n2.5, 3\r\n20 ,4.25\r\n\r\n  11,19  # the last\r\n",
         b"2.5,3 20,4.25 11,19",
         "2.5,3\n20,4.25\n11,19\n".encode("utf-16"),
+        b"x,y\n2.5,3\n20,4.25\n11,19\n",
+        b'"X", "Y"\r\n2.5,3\r\n20,4.25\r\n11,19\r\n',
     ],
 )
 def test_a_text_file_of_corners(canvas, text):
@@ -152,6 +154,7 @@ def test_a_text_file_of_corners(canvas, text):
     [
         (b"1,2\n3,4\n", "m: a polygon needs at least 3 points X,Y, not 2"),
         (b"1,2\n3,4\n5;6\n", "m: '5;6' in line 3 is not a point X,Y, for example 12,34.5"),
+        (b"x,y\n1,2\n3,4\n5;6\n", "m: '5;6' in line 4 is not a point X,Y, for example 12,34.5"),
         (b"1,2\n3,4\n5,6 7\n", "m: '7' in line 3 is not a point X,Y"),
         (b"1,2\n3,4\n5," + b"9" * 500, "m: '5,99999999999999999999999999999999999...' in line 3 is not"),
         (b"", "m: the file is empty; pictures (PNG, "),

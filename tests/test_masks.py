@@ -205,6 +205,15 @@ def test_an_empty_selection_is_refused_with_the_reason(canvas, selection, text):
         select(selection, canvas)
 
 
+def test_a_label_that_is_not_there_is_named(canvas, folder):
+    labels = np.zeros(MASK.shape, np.uint8)
+    labels[3:9, 4:8] = 3
+    Path("labels.png").write_bytes(encoded(labels))
+    np.testing.assert_array_equal(mask_of(added(MaskFile("labels.png:index=3")), canvas), labels == 3)
+    with pytest.raises(InputError, match="^the selection is empty: no pixel is labels.png:index=4$"):
+        select(added(MaskFile("labels.png:index=4")), canvas)
+
+
 def test_a_mask_of_another_size_is_refused_with_the_way_out(canvas):
     with pytest.raises(
         InputError, match="dest-mask.png is 48x40, but the source s.png is 30x24; it has the size of"

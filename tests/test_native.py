@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from solvers.kernels import policy
-from solvers.native import image, store
+from solvers.native import building, image, store
 from solvers.native.signature import Kind, Signature
 from tests import tiny_kernels
 
@@ -216,6 +216,56 @@ def test_many_processes_at_once_on_an_empty_cache(warm, tmp_path):
     assert sum("|True|2|" in second for _, second in lines) == 1  # one compiled, the others waited
     assert len(stored(place)) == 1
     assert not list(place.glob("*.tmp"))
+
+
+def test_helpers_end_when_nobody_waits_for_them(monkeypatch):
+    """Whatever became of the process that started them: here it has work for them, and says nothing more."""
+    queue, entrance = os.pipe()
+    helper = building._start_helper(tiny_kernels.library, "usual", queue)
+    with helper:
+        assert helper.poll() is None
+        helper.stdin.close()
+        assert helper.wait(timeout=60) == 1
+    os.close(queue)
+    os.close(entrance)
+
+
+def test_that_nothing_can_be_kept_is_known_before_it_is_compiled(tmp_path):
+    program = (
+        "from tests import tiny_kernels as tiny\n"
+        "tiny.library._tell = lambda volume, seconds: print(seconds is None, tiny.library.unkept)\n"
+        "tiny.library.addresses('usual')\n"
+    )
+    tmp_path.chmod(0o770)
+    ran = subprocess.run(
+        [sys.executable, "-c", program],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "POISSON_CACHE_DIR": str(tmp_path), "POISSON_KERNELS": "native"},
+        cwd=ROOT,
+    )
+    reason = f"{tmp_path} can be written to by others"
+    assert ran.stdout.splitlines() == [f"True {reason}", f"False {reason}"]
+
+
+def test_what_stands_in_the_way_of_a_folder(tmp_path):
+    assert store.obstacle(tmp_path / "a" / "b") is None
+    assert (tmp_path / "a" / "b").is_dir()
+    (tmp_path / "file").write_text("")
+    assert store.obstacle(tmp_path / "file") == f"{tmp_path / 'file'} is not a folder"
+    assert store.obstacle(tmp_path / "file" / "b") == f"{tmp_path / 'file'}: File exists"
+
+
+def test_a_compiler_that_fails_is_spoken_of(warm, tmp_path):
+    _, results = warm
+    broken = (
+        "from solvers.native import building\n"
+        "def fail(*_):\n    raise building.BuildError('no such processor')\n"
+        "building.build = fail\n"
+    )
+    again, how = probe(tmp_path / "poisson", before=broken)
+    assert again == results
+    assert how[1:] == ["True", "2", "BuildError: no such processor"]
 
 
 def test_where_nothing_can_be_written_it_works_all_the_same(warm, tmp_path):

@@ -298,6 +298,41 @@ def test_what_repeats_already_stays():
     np.testing.assert_allclose(oracles_tools.tile(picture), picture, atol=1e-9)
 
 
+# --- into the range ---------------------------------------------------------------------------------
+
+
+def test_a_colour_that_is_too_bright_fades_by_hand():
+    """Luminance 115.2, of which red is 184.8 too far and 139.8 away from the end of the range."""
+    colour = np.array([300.0, 65, 69])
+    luminance = 0.2126 * 300 + 0.7152 * 65 + 0.0722 * 69
+    faded = oracles_tools.desaturated(colour, 255)
+    assert faded[0] == pytest.approx(255)
+    share = (255 - luminance) / (300 - luminance)
+    np.testing.assert_allclose(faded, luminance + share * (colour - luminance))
+    assert oracles.grey(faded) == pytest.approx(luminance)
+
+
+def test_colours_that_fit_stay_and_others_end_at_the_range():
+    for colour in np.random.default_rng(0).uniform(-60, 320, (200, 3)):
+        faded, luminance = oracles_tools.desaturated(colour, 255), oracles.grey(colour)
+        if 0 <= luminance <= 255:
+            assert faded.min() >= -1e-9 and faded.max() <= 255 + 1e-9
+            inside = colour.min() >= 0 and colour.max() <= 255
+            assert inside == np.allclose(faded, colour, atol=1e-9)
+            assert inside or min(faded.min(), 255 - faded.max()) == pytest.approx(0, abs=1e-9)
+        else:
+            np.testing.assert_array_equal(faded, np.full(3, luminance))
+
+
+def test_a_ramp_is_weakened_until_it_fits():
+    region = np.ones((1, 5), bool)
+    exact, scale = oracles_tools.fitted(
+        lambda s: 100 + s * np.array([[0.0, -50, 200, 310, -100]]), region, 255
+    )
+    assert scale == pytest.approx(0.5)
+    np.testing.assert_allclose(exact, [[100, 75, 200, 255, 50]], atol=1e-5)
+
+
 # --- tone mapping -----------------------------------------------------------------------------------
 
 

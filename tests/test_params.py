@@ -7,7 +7,9 @@ import click
 import pytest
 
 from poisson_cli import editing, params
+from poisson_cli.editing.numbers import LARGEST_FACTOR
 from poisson_cli.editing.solving import solve
+from poisson_cli.errors import InputError
 from poisson_cli.settings import (
     Combine,
     Edges,
@@ -21,6 +23,7 @@ from poisson_cli.settings import (
     Solver,
     Then,
 )
+from tests.small_pictures import DESTINATION, DESTINATION_MASK
 
 
 @pytest.mark.parametrize(
@@ -165,7 +168,7 @@ def test_factors():
 
 @pytest.mark.parametrize("text", ["", "1", "1,2", "1,2,3,4", "1,-1,1", "1,nan,1", "red,1,1", "1;1;1"])
 def test_what_are_no_factors(text):
-    with pytest.raises(click.BadParameter, match="is not R,G,B: three numbers, 0 or more"):
+    with pytest.raises(click.BadParameter, match="is not R,G,B: three numbers from 0 to 1000"):
         params.FACTORS.convert(text, None, None)
 
 
@@ -242,3 +245,37 @@ def test_options_have_the_defaults_of_the_settings():
     assert Selection(steps, given["invert"], given["threshold"]) == Selection((Combine(MaskFile("m.png")),))
     assert given["gradients"] == default(editing.clone, "gradients")
     assert given["monochrome"] == default(editing.clone, "monochrome")
+
+
+RANGES = [  # of an option, its function's keyword, and the last number on either side that is allowed
+    ("relight", "--alpha", "alpha", (1e-9, 1000)),
+    ("relight", "--beta", "beta", (-1, 1)),
+    ("focus", "--amount", "amount", (0, 1000)),
+    ("recolor", "--saturation", "saturation", (0, 1000)),
+    ("tonemap", "--alpha", "alpha", (1e-9, 1000)),
+    ("tonemap", "--beta", "beta", (0, 1)),
+    ("tonemap", "--saturation", "saturation", (0, 10)),
+    ("tonemap", "--black", "black", (0, 99.4)),
+    ("tonemap", "--white", "white", (1, 100)),
+    ("tonemap", "--floor", "floor", (1e-9, 1000)),
+    ("tonemap", "--gamma", "gamma", (0.5, 10)),
+]
+
+
+@pytest.mark.parametrize(("tool", "option", "keyword", "bounds"), RANGES)
+def test_an_option_and_its_keyword_have_one_range(folder, poisson, tool, option, keyword, bounds):
+    """The options are checked before anything is read, and so know the range a second time."""
+    masks = [] if tool == "tonemap" else [DESTINATION_MASK]
+    words = [tool, "destination.png", *([] if tool == "tonemap" else ["-m", "dest-mask.png"])]
+    words += ["--overwrite", "-o", "out.png"]
+    for number in bounds:
+        assert poisson(*words, f"{option}={number}").code in (0, 5)
+    for number in (bounds[0] - 1, bounds[1] + 1):
+        ran = poisson(*words, f"{option}={number}")
+        assert ran.code == 2 and "is not a number" in ran.err
+        with pytest.raises(InputError, match=f"{keyword} is"):
+            getattr(editing, tool)(DESTINATION, *masks, **{keyword: number})
+
+
+def test_factors_have_one_range():
+    assert params.LARGEST_FACTOR == LARGEST_FACTOR

@@ -1,6 +1,5 @@
 """What a run says about itself, word by word."""
 
-import dataclasses
 import json
 from pathlib import Path
 
@@ -39,7 +38,7 @@ SUMMARY = Summary(
 def changed(**changes: object) -> Summary:
     edit = {name: value for name, value in changes.items() if hasattr(EDIT, name) and name != "seconds"}
     rest = {name: value for name, value in changes.items() if name not in edit}
-    return dataclasses.replace(SUMMARY, edit=dataclasses.replace(EDIT, **edit), **rest)
+    return SUMMARY._replace(edit=EDIT._replace(**edit), **rest)
 
 
 def test_the_line():

@@ -32,14 +32,18 @@ print("\\n" + json.dumps([code, loaded]))
 """
 
 
-def loaded(*words: str) -> set[str]:
-    """Modules that a command line has loaded when it is done."""
-    ran = subprocess.run(
-        [sys.executable, "-c", LOADED, *words],
+def python(program: str, *words: str) -> "subprocess.CompletedProcess[str]":
+    return subprocess.run(
+        [sys.executable, "-c", program, *words],
         capture_output=True,
         text=True,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
     )
+
+
+def loaded(*words: str) -> set[str]:
+    """Modules that a command line has loaded when it is done."""
+    ran = python(LOADED, *words)
     code, modules = json.loads(ran.stdout.splitlines()[-1])
     assert code == 0, ran.stderr
     return set(modules)
@@ -69,6 +73,30 @@ def test_other_formats_load_more(folder, warm):
     assert {"imageio", "PIL.BmpImagePlugin"} <= modules
 
 
+DEPTH = """
+import sys
+class Watch:
+    def find_spec(self, name, *_):
+        if name == "numpy":
+            frame, depth = sys._getframe(), 0
+            while frame := frame.f_back:
+                depth += "importlib" not in frame.f_code.co_filename
+            print(depth)
+sys.meta_path.insert(0, Watch())
+from poisson_cli.main import run
+sys.exit(run(sys.argv[1:]))
+"""
+
+
+def test_numpy_is_imported_with_next_to_no_stack_below_it(folder, warm):
+    """Below click's frames its import takes a third longer; see `poisson_cli.attended`."""
+    words = ("clone", "source.png", "destination.png", "-m", "mask.png", "-o", "out.png")
+    ran = python(DEPTH, *words)
+    assert ran.returncode == 0, ran.stderr
+    [depth] = map(int, ran.stdout.split())
+    assert depth < 10
+
+
 @pytest.mark.parametrize("words", [["--help"], ["--version"], ["clone", "--help"]])
 def test_the_help_loads_nothing_heavy(words):
     assert packages(loaded(*words)) & HEAVY <= {"click", "shutil"}  # click asks how wide the terminal is
@@ -95,10 +123,35 @@ def test_the_first_run_says_once_that_it_compiles(monkeypatch, capsys):
     monkeypatch.setattr(library, "helpers", False)
     compiling.announce(quiet=True)
     assert library.listener is None
+    monkeypatch.setattr(library, "unkept", None)
+    monkeypatch.setattr(library, "trouble", None)
     compiling.announce(quiet=False)
     library.listener("usual", None)
     library.listener("usual", 7.26)
+    library.listener("further", None)
+    library.trouble = "BuildError: no"
+    library.listener("further", 1)
+    library.unkept = "/there is not writable"
+    library.listener("usual", None)
     assert capsys.readouterr().err.splitlines() == [
         "poisson: compiling the solver for this machine; this is done once",
         "poisson: compiled in 7.3 s",
+        "poisson: compiling the solver for selections or pictures of this kind; this is done once",
+        "poisson: that failed after 1.0 s (BuildError: no); numba does it, and each run begins more slowly",
+        "poisson: compiling the solver for this machine; again at the next run, for it cannot be kept "
+        "(/there is not writable); name another folder in POISSON_CACHE_DIR",
     ]
+
+
+def test_warmup_compiles_nothing_that_it_cannot_keep(poisson, monkeypatch, tmp_path):
+    place = tmp_path / "open"
+    place.mkdir()
+    place.chmod(0o777)
+    monkeypatch.setenv("POISSON_CACHE_DIR", str(place))
+    ran = poisson("warmup")
+    assert (ran.code, ran.out) == (4, "")
+    assert ran.err == (
+        f"poisson: error: the solver is not compiled, for it cannot be kept ({place} can be written to by others); "
+        "name another folder in POISSON_CACHE_DIR\n"
+    )
+    assert not list(place.iterdir())

@@ -5,6 +5,7 @@ No value is further than .05 level from the exact one before rounding, and outsi
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -164,6 +165,7 @@ DARK = crop("rocket.jpg", 131, 170, top=200, left=240)
         {"alpha": 0.3, "beta": 0.3},
         {"saturation": 1.2, "white": 90.0},
         {"gamma": 2.2, "saturation": 0.0, "white": 100.0},
+        {"gamma": 1.8, "floor": 0.001, "black": 2.0},
     ],
     ids=str,
 )
@@ -314,32 +316,81 @@ def test_edges_and_norms_move_with_the_source(transform):
 # --- into the range ---------------------------------------------------------------------------------
 
 
-def fitted(whole: np.ndarray, membrane: np.ndarray) -> tuple[np.ndarray, float]:
-    """The largest scale of the guidance, at most 1, that keeps every value in 0...255, and the picture with it."""
-    beyond = whole - membrane
-    room = np.where(beyond > 0, 255 - membrane, membrane)
-    needed = np.abs(beyond)
-    scale = float(np.min(np.where(needed > 1e-9, room / np.maximum(needed, 1e-9), 1), initial=1.0))
-    return membrane + scale * beyond, scale
+ROCKET, ASTRONAUT = PICTURES["rocket"], PICTURES["astronaut"]
+RESCALED: dict[
+    str, tuple[Callable[..., editing.Edit], Callable[..., np.ndarray], np.ndarray, dict[str, Any]]
+] = {
+    "clone": (
+        partial(editing.clone, ROCKET, ASTRONAUT),
+        partial(oracles.clone, ROCKET, ASTRONAUT),
+        ROCKET,
+        {},
+    ),
+    "mix": (partial(editing.mix, ROCKET, ASTRONAUT), partial(oracles.mix, ROCKET, ASTRONAUT), ROCKET, {}),
+    "screened": (
+        partial(editing.clone, ROCKET, ASTRONAUT),
+        partial(oracles.clone, ROCKET, ASTRONAUT),
+        ROCKET,
+        {"screen": 0.001},
+    ),
+    "focus": (
+        partial(editing.focus, ASTRONAUT),
+        partial(oracles_tools.focus, ASTRONAUT),
+        ASTRONAUT,
+        {"amount": 4.0},
+    ),
+    "recolor": (
+        partial(editing.recolor, ASTRONAUT),
+        partial(oracles_tools.recolor, ASTRONAUT),
+        ASTRONAUT,
+        {"saturation": 5.0, "gain": (1.5, 0.8, 0.8), "screen": 0.01},
+    ),
+}
+"""Ours, the oracle, the picture that is edited, and options: all of them leave the range by far."""
 
 
-@pytest.mark.parametrize("tool", ["clone", "mix", "focus"])
-def test_rescaling(tool):
+@pytest.mark.parametrize("space", EVERY_SPACE)
+@pytest.mark.parametrize("tool", RESCALED)
+def test_rescaling(tool, space):
     """The solution is linear in the guidance, so that the membrane is where scaling it ends."""
-    destination, source, mask = PICTURES["rocket"], PICTURES["astronaut"], lasso(*SIZE)
-    if tool == "focus":
-        whole = oracles_tools.focus(source, mask, amount=4.0)
-        membrane, before = oracles.fill(source, mask), source
-        edit = editing.focus(source, mask, amount=4.0, rescale=True)
-    else:
-        whole = getattr(oracles, tool)(destination, source, mask)
-        membrane, before = oracles.fill(destination, mask), destination
-        edit = getattr(editing, tool)(destination, source, mask, rescale=True)
+    ours, oracle, before, options = RESCALED[tool]
+    mask = lasso(*SIZE)
+    whole = oracle(mask, **options, space=space)
     assert whole.min() < -2 or whole.max() > 257  # else there is nothing to be seen
-    exact, scale = fitted(whole, membrane)
-    assert_close(edit.image, before, exact, mask)
+    f, m = (oracles.working(one, 255.0, space) for one in (whole, oracles.fill(before, mask, space=space)))
+    exact, scale = oracles_tools.fitted(
+        lambda s: oracles.restored(m + s * (f - m), 255.0, space), mask, 255.0
+    )
+    edit = ours(mask, **options, space=space, rescale=True)
     assert edit.report.scale == pytest.approx(scale, abs=1e-3)
     assert edit.report.clipped == 0
+    assert_close(edit.image, before, exact, mask)
+
+
+@pytest.mark.parametrize("space", EVERY_SPACE)
+def test_rescaling_in_the_log_domain(space):
+    picture, mask = PICTURES["coffee"], lasso(*SIZE)
+    logs = oracles_tools.log_luminance(picture, space, 255.0)
+    factors = oracles_tools.attenuation(logs, mask, alpha=0.2, beta=-0.5)
+    field = oracles.guidance(oracles.imported, logs, logs)
+    f = oracles.solve(mask, logs, *oracles_tools.times(factors)(field))
+    m = oracles.solve(mask, logs, *(0 * v for v in field))
+    exact, scale = oracles_tools.fitted(
+        lambda s: oracles_tools.brightened(picture, mask, m + s * (f - m) - logs, space), mask, 255.0
+    )
+    edit = editing.relight(picture, mask, beta=-0.5, space=space, rescale=True)
+    assert edit.report.scale == pytest.approx(scale, abs=1e-3)
+    assert_close(edit.image, picture, exact, mask)
+
+
+def test_rescaling_grey():
+    picture, mask = crop("camera.png", *SIZE), lasso(*SIZE)
+    f, m = oracles_tools.focus(picture, mask, amount=4.0), oracles.fill(picture, mask).astype(float)
+    exact, scale = oracles_tools.fitted(lambda s: m + s * (f - m), mask, 255.0)
+    assert 0.1 < scale < 0.9
+    edit = editing.focus(picture, mask, amount=4.0, rescale=True)
+    assert edit.report.scale == pytest.approx(scale, abs=1e-3)
+    assert_close(edit.image, picture, exact, mask)
 
 
 @pytest.mark.parametrize("rescale", [False, True])

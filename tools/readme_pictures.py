@@ -17,7 +17,7 @@ SCENES = (
     "clone-screen",
     "mix-mural",
     "mix-reflection",
-    "heal-badge",
+    "heal-skyline",
     "flatten-cat",
     "relight-coat",
     "tile-wood",

@@ -40,6 +40,8 @@ def run(
     skip_existing: bool = False,
     overwrite: bool = False,
     memory: int | None = None,
+    timeout: float | None = None,
+    make_folders: bool = False,
     scheduler: str | None = None,
 ) -> Iterator[Result]:
     """Do jobs.
@@ -62,6 +64,10 @@ def run(
         Let jobs replace outputs that are there.
     memory
         Bytes that all jobs that run on this machine may need together, by their estimates; None: most of what is free.
+    timeout
+        Seconds after which a job has failed, and its process is ended; None: never. Not for a cluster.
+    make_folders
+        Make the folders of outputs that are not there; without it they are mistakes.
     scheduler
         Address of a Dask scheduler, or ``"local"`` for a cluster on this machine; None for plain processes.
 
@@ -87,9 +93,17 @@ def run(
         defaults=_plain(defaults or {}),
         overwrite=overwrite,
         skip_existing=skip_existing,
+        make_folders=make_folders,
     )
     return running.results(
-        tasks, workers=workers, keep_going=keep_going, memory=memory, scheduler=scheduler, quiet=True
+        tasks,
+        workers=workers,
+        keep_going=keep_going,
+        memory=memory,
+        timeout=timeout,
+        make_folders=make_folders,
+        scheduler=scheduler,
+        quiet=True,
     )
 
 

@@ -7,23 +7,16 @@ side may not do to each other. A picture that is missing or broken is no mistake
 from __future__ import annotations
 
 import dataclasses
-import os
-from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import Final
 
-import click
-
-from poisson_cli import attended
 from poisson_cli.batch import grammar
+from poisson_cli.batch.collisions import collisions
 from poisson_cli.batch.manifest import Entry, Manifest, Pairs
 from poisson_cli.batch.mistakes import Mistake, Mistakes
+from poisson_cli.batch.outputs import unwritable
+from poisson_cli.batch.reading import Reader
 from poisson_cli.batch.task import Task
 from poisson_cli.errors import PoissonError
-from poisson_cli.job import Job
-from poisson_cli.masking import MaskJob
-from poisson_cli.options import Chatter
-from poisson_cli.settings import Combine, MaskFile
 
 __all__ = ["check"]
 
@@ -38,6 +31,7 @@ def check(
     defaults: Pairs = (),
     overwrite: bool = False,
     skip_existing: bool = False,
+    make_folders: bool = False,
     name: str = "job",
 ) -> list[Task]:
     """Check a manifest.
@@ -54,6 +48,8 @@ def check(
         Whether every job may replace its output.
     skip_existing
         Whether jobs are skipped whose outputs are there.
+    make_folders
+        Whether folders that outputs go to will be made, so that they need not be there.
     name
         What to call the manifest.
 
@@ -70,26 +66,46 @@ def check(
     mistakes = list(manifest.mistakes)
     for_all = _merged(_merged(_ONE_THREAD, manifest.defaults.pairs), defaults)
     for key, _ in for_all:
-        if grammar.key_of(key) != grammar.TOOL and not any(
-            tool.knows(key) for tool in grammar.tools().values()
-        ):
+        if not _is_known(key):
             line = 0 if key in dict(defaults) else manifest.defaults.line
             mistakes.append(Mistake(line, f'no tool has the default "{key}"'))
+    if head := _unknown_columns(manifest, for_all):
+        raise Mistakes([*mistakes, head], name)  # each row would say the same again
     forced: Pairs = (("overwrite", True),) if overwrite else ()
+    reader = Reader()
     tasks = []
     for number, entry in enumerate(manifest.entries, start=1):
         try:
-            task = _task(number, entry, for_all, forced, folder)
+            task = _task(number, entry, for_all, forced, folder, reader)
         except (ValueError, PoissonError) as error:
             mistakes.append(Mistake(entry.line, " ".join(str(error).split())))
         else:
             tasks.append(task)
-    mistakes += _collisions(tasks)
+    mistakes += unwritable(tasks, make_folders=make_folders)
+    mistakes += collisions(tasks)
     if mistakes:
         raise Mistakes(sorted(mistakes, key=lambda mistake: mistake.line), name)
     if skip_existing:
         return [dataclasses.replace(task, skip_existing=True) for task in tasks]
     return tasks
+
+
+def _is_known(name: str) -> bool:
+    return grammar.key_of(name) == grammar.TOOL or any(tool.knows(name) for tool in grammar.tools().values())
+
+
+def _unknown_columns(manifest: Manifest, defaults: Pairs) -> Mistake | None:
+    """What is wrong with the first line of CSV."""
+    unknown = [name for name in manifest.columns if not _is_known(name)]
+    if not manifest.columns or not (unknown or grammar.TOOL not in {*manifest.columns, *dict(defaults)}):
+        return None
+    if len(unknown) == len(manifest.columns):
+        text = "neither a job in JSON nor, for CSV, names of columns such as tool,image,rect,output"
+    elif unknown:
+        text = f'no tool knows what the column "{unknown[0]}" says'
+    else:
+        text = f'no column is named "{grammar.TOOL}"'
+    return Mistake(manifest.head, text)
 
 
 def _merged(pairs: Pairs, winning: Pairs) -> Pairs:
@@ -98,7 +114,7 @@ def _merged(pairs: Pairs, winning: Pairs) -> Pairs:
     return (*(pair for pair in pairs if grammar.key_of(pair[0]) not in keys), *winning)
 
 
-def _task(number: int, entry: Entry, defaults: Pairs, forced: Pairs, folder: str) -> Task:
+def _task(number: int, entry: Entry, defaults: Pairs, forced: Pairs, folder: str, reader: Reader) -> Task:
     """One line, with what is said for all; ValueError or `PoissonError` says what is wrong with it."""
     said = dict(_merged(defaults, entry.pairs))
     names = ", ".join(grammar.tools())
@@ -111,67 +127,4 @@ def _task(number: int, entry: Entry, defaults: Pairs, forced: Pairs, folder: str
     common = tuple(pair for pair in defaults if tool.knows(pair[0]))
     own = tuple(pair for pair in entry.pairs if pair[0] != grammar.TOOL)
     words = tool.words(_merged(_merged(common, own), forced), folder)
-    return Task(number, entry.line, tool.name, _jobs(tool, words), tuple(words))
-
-
-def _jobs(tool: grammar.Tool, words: Sequence[str]) -> tuple[Job | MaskJob, ...]:
-    """What a command would do, as its own code says it."""
-    try:
-        with (
-            attended.handed_over() as jobs,
-            tool.command.make_context(tool.name, ["--quiet", *words], obj=Chatter()) as context,
-        ):
-            tool.command.invoke(context)
-    except click.ClickException as error:
-        raise ValueError(error.format_message()) from error
-    return tuple(jobs)
-
-
-def _collisions(tasks: Sequence[Task]) -> Iterator[Mistake]:
-    """Jobs that get in each other's way, so that the result would depend on which is faster.
-
-    Two that write one file; one that reads what another writes; and one that replaces what it reads, which a second
-    attempt would do a second time.
-    """
-    folders: dict[Path, str] = {}  # many files share one
-
-    def real(path: Path) -> str:
-        if path.is_symlink():
-            return os.path.realpath(path)
-        if path.parent not in folders:
-            folders[path.parent] = os.path.realpath(path.parent)
-        return os.path.join(folders[path.parent], path.name)
-
-    writers: dict[str, Task] = {}
-    for task in tasks:
-        for path in task.outputs:
-            first = writers.setdefault(real(path), task)
-            if first is not task:
-                yield Mistake(
-                    task.line, f"{path} is also written by line {first.line}; give each its own name"
-                )
-    for task in tasks:
-        for path in _inputs(task):
-            writer = writers.get(real(path))
-            if writer is task:
-                yield Mistake(task.line, f"{path} is read and written; give the output another name")
-            elif writer is not None:
-                text = f"{path} is written by line {writer.line}; read it in another batch, after this one"
-                yield Mistake(task.line, text)
-
-
-def _inputs(task: Task) -> Iterator[Path]:
-    """The files that a job reads; of a mask, without the part of the file that is meant."""
-    for job in task.jobs:
-        if isinstance(job, MaskJob):
-            yield job.image
-        else:
-            yield job.destination
-            if job.source is not None:
-                yield job.source
-            edges = job.edges if job.then is None else job.then.flatten
-            if edges is not None and edges.file is not None:
-                yield edges.file
-        for step in () if job.selection is None else job.selection.steps:
-            if isinstance(step, Combine) and isinstance(step.area, MaskFile):
-                yield Path(step.area.name)
+    return Task(number, entry.line, tool.name, reader.jobs(tool, words), tuple(words))

@@ -14,6 +14,7 @@ from __future__ import annotations
 import dataclasses
 import logging
 import pickle
+import time
 import uuid
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Sequence
@@ -22,6 +23,7 @@ from contextlib import ExitStack, suppress
 from typing import TYPE_CHECKING, Any, Final
 
 from poisson_cli.batch.task import Result, Task, perform
+from poisson_cli.batch.worker import deaf
 from poisson_cli.errors import BUG, InputError, PoissonError
 
 if TYPE_CHECKING:
@@ -34,6 +36,12 @@ LOCAL: Final = "local"
 
 _AHEAD: Final = 2
 """Tasks submitted for each that can run, so that no worker waits for the next one to be sent."""
+
+_COUNTED: Final = 1.0
+"""Seconds for which the number of workers is taken to be the same: to ask takes as long as to submit several tasks."""
+
+_EVERYTHING: Final = "all"
+"""The topic under which a scheduler tells which workers it has lost."""
 
 _TIMEOUT: Final = 30.0
 """Seconds to wait for the scheduler, and for the first worker."""
@@ -95,10 +103,15 @@ def _connected(scheduler: str, processes: int | None, stack: ExitStack) -> Clien
         if scheduler == LOCAL:
             from solvers.team import available_cores
 
-            with dask.config.set({"distributed.scheduler.allowed-failures": 0}):
+            # A process that is half awake would complain about a Ctrl-C.
+            with dask.config.set({"distributed.scheduler.allowed-failures": 0}), deaf():
                 cluster = stack.enter_context(
                     distributed.LocalCluster(
-                        n_workers=processes or available_cores(), threads_per_worker=1, dashboard_address=None
+                        n_workers=processes or available_cores(),
+                        threads_per_worker=1,
+                        dashboard_address=None,
+                        silence_logs=logging.CRITICAL,
+                        preload="poisson_cli.batch.undisturbed",
                     )
                 )
             client = distributed.Client(cluster, timeout=_TIMEOUT, set_as_default=False)
@@ -131,9 +144,12 @@ class _Submission:
         self._suspects: deque[Task] = deque()
         self._begun: Counter[int] = Counter()  # how often each job was, before it was sent for the last time
         self._limit = limit
+        self._threads, self._count_again = 1, 0.0
+        self._has_lost_workers = False
+        client.subscribe_topic(_EVERYTHING, self._hear)
         self._batch = uuid.uuid4().hex
         self._submitted: dict[Any, Task] = {}
-        self._completed = distributed.as_completed(loop=client.loop)
+        self._completed = distributed.as_completed(loop=client.loop, with_results=True, raise_errors=False)
 
     def results(self, keep_going: bool) -> Iterator[Result]:
         """Submit tasks and take in results until there are no more."""
@@ -141,10 +157,10 @@ class _Submission:
             self._submit()
             if not self._submitted:
                 return
-            futures = self._completed.next_batch(block=True)
-            lost = self._times_lost(futures)
-            for future in futures:
-                result = self._result(future, 1 + lost.get(future.key, 0))
+            pairs = self._completed.next_batch(block=True)
+            lost = self._times_lost([future for future, _ in pairs])
+            for future, value in pairs:
+                result = self._result(future, value, 1 + lost.get(future.key, 0))
                 del self._submitted[future]
                 if result is None:
                     continue
@@ -155,18 +171,32 @@ class _Submission:
 
     def cancel(self) -> None:
         """Take back what has not begun; what has is finished, whole, on its worker."""
-        if self._submitted:
-            with suppress(OSError, TimeoutError):
+        with suppress(OSError, TimeoutError):
+            self._client.unsubscribe_topic(_EVERYTHING)
+            if self._submitted:
                 self._client.cancel(list(self._submitted), reason="the batch has ended")
 
     def _submit(self) -> None:
         if self._waiting:
-            # Asked each time, because workers come and go.
-            limit = self._limit or _AHEAD * max(1, sum(self._client.nthreads().values()))
+            limit = self._limit or _AHEAD * self._count_threads()
             while self._waiting and len(self._submitted) < limit:
                 self._send(self._waiting.popleft())
         elif self._suspects and not self._submitted:
             self._send(self._suspects.popleft())
+
+    def _count_threads(self) -> int:
+        """How many tasks can run at a time: asked again and again, because workers come and go."""
+        now = time.monotonic()
+        if now >= self._count_again:
+            self._threads = max(1, sum(self._client.nthreads().values()))
+            self._count_again = now + _COUNTED
+        return self._threads
+
+    def _hear(self, event: tuple[float, Any]) -> None:
+        """Take note of what the scheduler tells everybody, on a thread of the client's."""
+        _, told = event
+        if isinstance(told, dict) and told.get("action") == "remove-worker":
+            self._has_lost_workers = True
 
     def _send(self, task: Task) -> None:
         # What is begun again, because a worker was lost, meets outputs of its own: it may replace them, and anybody
@@ -179,38 +209,49 @@ class _Submission:
         self._completed.add(future)
         self._begins(task)
 
-    def _result(self, future: Any, attempts: int) -> Result | None:
-        """What became of a task; None if it is to be tried again."""
+    def _result(self, future: Any, value: Any, attempts: int) -> Result | None:
+        """What became of a task; None if it is to be tried again.
+
+        Parameters
+        ----------
+        future
+            The task, as Dask has it.
+        value
+            What `_perform` returned; or a `CancelledError`; or the type, the value and the traceback of what it raised.
+        attempts
+            How often it was begun since it was submitted.
+        """
         task = self._submitted[future]
         before = self._begun[task.number]
-        try:
-            result: Result = future.result()
-        except self._distributed.KilledWorker as error:
-            # Dask blames every task that the lost worker had, those that had not begun as well. So all of them are
-            # tried again, each with nothing beside it, which shows who is to blame.
-            times = before + error.allowed_failures + 1
-            if not before:
-                self._begun[task.number] = times
-                self._suspects.append(task)
-                return None
-            return Result.of(
-                task,
-                "failed",
-                exit_code=BUG,
-                error=f"its worker was lost, {times} times; perhaps there was not enough memory",
-                attempts=times,
-            )
-        except CancelledError as error:
+        if isinstance(value, Result):
+            return dataclasses.replace(value, attempts=before + attempts)
+        error = value if isinstance(value, CancelledError) else value[1]
+        if isinstance(error, CancelledError):
             raise PoissonError("the scheduler is gone, or has cancelled the batch; run it again") from error
-        except Exception as error:
+        if not isinstance(error, self._distributed.KilledWorker):
             raise PoissonError(
                 f"the cluster cannot do jobs ({type(error).__name__}: {error}); it needs this version of poisson-cli "
                 "on the scheduler and on every worker"
             ) from error
-        return dataclasses.replace(result, attempts=before + attempts)
+        # Dask blames every task that the lost worker had, those that had not begun as well. So all of them are tried
+        # again, each with nothing beside it, which shows who is to blame.
+        times = before + error.allowed_failures + 1
+        if not before:
+            self._begun[task.number] = times
+            self._suspects.append(task)
+            return None
+        return Result.of(
+            task,
+            "failed",
+            exit_code=BUG,
+            error=f"its worker was lost, {times} times; perhaps there was not enough memory",
+            attempts=times,
+        )
 
     def _times_lost(self, futures: Sequence[Any]) -> dict[str, int]:
         """How many workers were lost with each task: only the scheduler knows."""
+        if not self._has_lost_workers:
+            return {}
         lost: dict[str, int] = self._client.run_on_scheduler(
             _suspicions, keys=[future.key for future in futures]
         )

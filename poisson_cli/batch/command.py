@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import shlex
 import sys
 import time
@@ -40,6 +41,10 @@ class Choices:
         Say what would be done, and do nothing.
     memory
         Bytes for all jobs that run; None: most of what is free.
+    timeout
+        Seconds after which a job has failed; None: never.
+    make_folders
+        Make the folders of outputs that are not there.
     scheduler
         Address of a Dask scheduler, ``"local"``, or None.
     quiet
@@ -55,6 +60,8 @@ class Choices:
     report: Path | None = None
     dry_run: bool = False
     memory: int | None = None
+    timeout: float | None = None
+    make_folders: bool = False
     scheduler: str | None = None
     quiet: bool = False
 
@@ -89,6 +96,7 @@ def run(path: Path, choices: Choices) -> int:
         defaults=choices.defaults,
         overwrite=choices.overwrite,
         skip_existing=choices.skip_existing,
+        make_folders=choices.make_folders,
         name=str(path),
     )
     share, shares = choices.shard
@@ -124,24 +132,25 @@ def _run(tasks: Sequence[Task], name: str, choices: Choices) -> int:
             workers=choices.jobs,
             keep_going=choices.keep_going,
             memory=choices.memory,
+            timeout=choices.timeout,
+            make_folders=choices.make_folders,
             scheduler=choices.scheduler,
             quiet=choices.quiet,
             begins=screen.begins,
         )
         try:
-            for result in results:
-                tally.add(result)
-                report.write(report.as_dict(result), lines)
-                screen.ends(result)
+            with screen.fresh(), contextlib.closing(results):
+                for result in results:
+                    tally.add(result)
+                    report.write(report.as_dict(result), lines)
+                    screen.ends(result)
             code = tally.exit_code
         except BaseException as error:
             code = errors.code_of(error)
             raise
         finally:
-            results.close()
-            screen.close()
             seconds = time.monotonic() - began
-            report.write(tally.summary(seconds, code), lines)
             if not choices.quiet:
                 screen.say(display.ending(tally, seconds))
+            report.write(tally.summary(seconds, code), lines)
     return code

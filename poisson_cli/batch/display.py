@@ -2,29 +2,39 @@
 
 from __future__ import annotations
 
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Final, TextIO
 
 from poisson_cli.batch.report import Tally
 from poisson_cli.batch.task import Result, Task
+from poisson_cli.interrupts import held
 from poisson_cli.progress import INTERVAL, Overwritten, is_terminal
+from poisson_cli.streams import printable, silence
 
 __all__ = ["Display", "ending"]
 
 PLAIN_INTERVAL: Final = 30.0
 """Seconds between two plain lines, at least."""
 
+TICK: Final = 1.0
+"""Seconds after which the line is written again even if nothing has happened, so that a long job is seen to be one."""
+
+LONG: Final = 10.0
+"""Seconds after which it is said for how long a job has been running."""
+
 
 class Display:
-    """Shows how far a batch has come.
+    """Shows how far a batch has come; from any thread.
 
     Parameters
     ----------
     tally
         What has become of the jobs; somebody else counts.
     stream
-        Where to.
+        Where to. If nobody listens there any more, because a terminal was closed, the batch goes on in silence.
     quiet
         Say nothing but why jobs failed.
     name
@@ -46,41 +56,70 @@ class Display:
         self._line = Overwritten(stream) if is_terminal(stream) and not quiet else None
         self._began = clock()
         self._due = self._began + (INTERVAL if self._line else PLAIN_INTERVAL)
-        self._running: dict[int, Task] = {}
+        self._running: dict[int, tuple[Task, float]] = {}
+        self._lock = threading.Lock()
+
+    @contextmanager
+    def fresh(self) -> Iterator[None]:
+        """Refresh what is seen from time to time, and wipe it out in the end."""
+        over = threading.Event()
+
+        def tick() -> None:
+            while not over.wait(TICK):
+                self.refresh()
+
+        ticker = threading.Thread(target=tick, name="poisson display", daemon=True)
+        if not self._quiet:
+            with held():  # signals are for the main thread, which knows when not to hear them
+                ticker.start()
+        try:
+            yield
+        finally:
+            over.set()
+            with self._lock, self._lenient():
+                if self._line is not None:
+                    self._line.close()
 
     def begins(self, task: Task) -> None:
         """A job begins."""
-        self._running[task.number] = task
-        self._refresh()
+        with self._lock:
+            self._running[task.number] = task, self._clock()
+        self.refresh()
 
     def ends(self, result: Result) -> None:
         """A job has ended, and is counted."""
-        self._running.pop(result.job, None)
+        with self._lock:
+            self._running.pop(result.job, None)
         if result.status == "failed":
-            self.say(f"poisson: {self._name}:{result.line}: {result.error}")
-        self._refresh()
+            self.say(printable(f"poisson: {self._name}:{result.line}: {result.error}"))
+        self.refresh()
 
     def say(self, text: str) -> None:
         """Say something that stays; the line goes on below it."""
-        if self._line is not None:
-            self._line.write("")
-        print(text, file=self._stream, flush=True)
+        with self._lock, self._lenient():
+            if self._line is not None:
+                self._line.write("")
+            print(text, file=self._stream, flush=True)
 
-    def close(self) -> None:
-        """Wipe the line out."""
-        if self._line is not None:
-            self._line.close()
+    def refresh(self) -> None:
+        """Say how far it has come, if the last word is old enough."""
+        with self._lock, self._lenient():
+            now = self._clock()
+            if self._quiet or now < self._due:
+                return
+            if self._line is not None:
+                self._due = now + INTERVAL
+                self._line.write(self._text(now))
+            else:
+                self._due = now + PLAIN_INTERVAL
+                print(f"poisson: {self._text(now)}", file=self._stream, flush=True)
 
-    def _refresh(self) -> None:
-        now = self._clock()
-        if self._quiet or now < self._due:
-            return
-        if self._line is not None:
-            self._due = now + INTERVAL
-            self._line.write(self._text(now))
-        else:
-            self._due = now + PLAIN_INTERVAL
-            print(f"poisson: {self._text(now)}", file=self._stream, flush=True)
+    @contextmanager
+    def _lenient(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError:
+            silence(self._stream)
 
     def _text(self, now: float) -> str:
         """Such as ``812 of 2,000 done, 3 failed, 54.1 a second, 22 s left; clone out/0813.png``."""
@@ -91,8 +130,11 @@ class Display:
         if ended and now > self._began:
             rate = ended / (now - self._began)
             pace = f", {_rate(rate)}, {_span(tally.left / rate)} left"
-        oldest = next(iter(self._running.values()), None)
-        runs = "" if oldest is None else f"; {oldest.tool} {oldest.outputs[0]}"
+        runs = ""
+        if self._running:
+            oldest, began = next(iter(self._running.values()))
+            runs = printable(f"; {oldest.tool} {oldest.outputs[0]}")
+            runs += f" for {_span(now - began)}" if now - began >= LONG else ""
         return f"{tally.done + tally.skipped:,} of {tally.jobs:,} done{failed}{pace}{runs}"
 
 

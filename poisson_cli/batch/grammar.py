@@ -199,9 +199,9 @@ def _said(name: str, parameter: click.Parameter, value: Any, folder: str) -> Ite
     for one in value if several else [value]:
         word = _word(name, one, between)
         if params.is_file(parameter.type):
-            if word == "-":
-                raise ValueError(f'"{name}" is "-", but a batch needs names of files')
-            word = os.path.join(folder, word) if word else word
+            if word in ("", "-"):
+                raise ValueError(f'"{name}" is "{word}", but a batch needs names of files')
+            word = os.path.join(folder, word)
         yield word
 
 
@@ -221,7 +221,9 @@ def _word(name: str, value: Any, between: Sequence[str]) -> str:
             raise ValueError(f'"{name}" has a null character')
         return value
     if isinstance(value, int | float) and not isinstance(value, bool):
-        return repr(value)
+        # To JSON, 40.0 is a whole number; programs that make tables of numbers write it so.
+        whole = isinstance(value, float) and value.is_integer()
+        return repr(int(value) if whole else value)
     if isinstance(value, list) and between:
         return between[0].join(_word(name, item, between[1:]) for item in value)
     example = "a list of numbers" if between else "text or a number"

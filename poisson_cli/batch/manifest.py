@@ -1,12 +1,14 @@
 """A manifest: JSON Lines or CSV, one job a line.
 
-The two are told apart by their first character, so that standard input needs no name. What the names and values mean
-is not asked here; see `poisson_cli.batch.grammar`.
+The two are told apart by their first character, so that standard input needs no name. The cells of CSV may be divided
+by commas, or by semicolons or tabs, as spreadsheets do in half of the world: names have none of them, so the first
+line tells. What the names and values mean is not asked here; see `poisson_cli.batch.grammar`.
 """
 
 from __future__ import annotations
 
 import csv
+import io
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -48,12 +50,18 @@ class Manifest:
         The jobs.
     defaults
         What is said once for all of them.
+    columns
+        The names in the head of CSV, if it is that.
+    head
+        The line that they are in.
     mistakes
         The lines that make no sense.
     """
 
     entries: list[Entry] = field(default_factory=list)
     defaults: Entry = Entry(0, ())
+    columns: tuple[str, ...] = ()
+    head: int = 0
     mistakes: list[Mistake] = field(default_factory=list)
 
 
@@ -91,12 +99,30 @@ def _json_lines(text: str) -> Manifest:
                 if not isinstance(pairs[0][1], dict):
                     raise ValueError('"defaults" is no object, as in {"defaults": {"tolerance": 0.001}}')
                 manifest.defaults = Entry(number, tuple(pairs[0][1].items()))
+            elif any(name == DEFAULTS for name, _ in pairs):
+                raise ValueError('"defaults" belong into the first line, and nothing else beside them')
             else:
                 manifest.entries.append(Entry(number, pairs))
         except (ValueError, RecursionError) as error:
+            if first and _is_one_document(text):
+                wrong = (
+                    "JSON over several lines; write each job in one, as `jq -c .[]` does with a list of them"
+                )
+                return Manifest(mistakes=[Mistake(number, wrong)])
             manifest.mistakes.append(Mistake(number, str(error)))
         first = False
     return manifest
+
+
+def _is_one_document(text: str) -> bool:
+    """Whether this is a single JSON value of several lines, made by somebody who did not know that it is one a line."""
+    if "\n" not in text.strip():
+        return False
+    try:
+        json.loads(text)
+    except (ValueError, RecursionError):
+        return False
+    return True
 
 
 def _pairs(line: str) -> Pairs:
@@ -105,6 +131,8 @@ def _pairs(line: str) -> Pairs:
         value = json.loads(line, object_pairs_hook=_object, parse_constant=_refuse_constant)
     except json.JSONDecodeError as error:
         raise ValueError(f"not JSON: {error.msg} at character {error.colno}") from error
+    if isinstance(value, list):
+        raise ValueError("a JSON list; write each job in a line of its own, as `jq -c .[]` does")
     if not isinstance(value, dict):
         raise ValueError('not a JSON object, as in {"tool": "fill", "image": "a.png", ...}')
     return tuple(value.items())
@@ -127,49 +155,46 @@ def _refuse_constant(name: str) -> NoReturn:
 def _csv(text: str) -> Manifest:
     """A head with names, and a row for each job; an empty cell says nothing, a repeated name repeats an option."""
     manifest = Manifest()
-    head: list[str] = []
-    try:
-        for line, row in _rows(text):
-            cells = [cell.strip() for cell in row]
+    for line, row in _rows(text):
+        try:
+            cells = [cell.strip() for cell in _readable(row)]
             if not any(cells):
                 continue
-            if not head:
-                head = cells
-                if "" in head:
-                    raise csv.Error(f"column {head.index('') + 1} has no name")
-            elif len(cells) != len(head):
-                text = f"{len(cells)} cells, but the first line names {len(head)} columns"
-                manifest.mistakes.append(Mistake(line, text))
+            if not manifest.columns:
+                if "" in cells:
+                    raise ValueError(f"not CSV: column {cells.index('') + 1} has no name")
+                manifest.columns, manifest.head = tuple(cells), line
+            elif len(cells) != len(manifest.columns):
+                raise ValueError(
+                    f"{len(cells)} cells, but the first line names {len(manifest.columns)} columns"
+                )
             else:
-                pairs = tuple(pair for pair in zip(head, cells, strict=True) if pair[1])
+                pairs = tuple(pair for pair in zip(manifest.columns, cells, strict=True) if pair[1])
                 manifest.entries.append(Entry(line, pairs))
-    except csv.Error as error:
-        manifest.mistakes.append(Mistake(line_of(error), f"not CSV: {error}"))
+        except ValueError as error:
+            manifest.mistakes.append(Mistake(line, str(error)))
+            if not manifest.columns:
+                break
     return manifest
 
 
-class _BadRow(csv.Error):
-    """A row that is not CSV, and where it begins."""
-
-    line = 1
-
-
-def line_of(error: csv.Error) -> int:
-    """Where an error is; a bad head is in the first line."""
-    return error.line if isinstance(error, _BadRow) else 1
-
-
-def _rows(text: str) -> Iterator[tuple[int, Sequence[str]]]:
-    """Each row with the line in which it begins."""
-    reader = csv.reader(text.splitlines(keepends=True), strict=True)
+def _rows(text: str) -> Iterator[tuple[int, Sequence[str] | csv.Error]]:
+    """Each row, or what is wrong with it, with the line in which it begins."""
+    lines = list(io.StringIO(text, newline=""))
+    head = next((line for line in lines if line.strip()), "")
+    divider = next((one for one in ";\t" if one in head and "," not in head), ",")
+    reader = csv.reader(lines, strict=True, delimiter=divider)
     while True:
         line = reader.line_num + 1
         try:
-            row = next(reader)
+            yield line, next(reader)
         except StopIteration:
             return
         except csv.Error as error:
-            bad = _BadRow(str(error))
-            bad.line = line
-            raise bad from error
-        yield line, row
+            yield line, error
+
+
+def _readable(row: Sequence[str] | csv.Error) -> Sequence[str]:
+    if isinstance(row, csv.Error):
+        raise ValueError(f"not CSV: {row}")
+    return row

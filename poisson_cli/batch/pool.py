@@ -3,12 +3,13 @@
 Why not `concurrent.futures`: when one process of its pool dies, all jobs that wait or run fail with it, and nothing
 tells which of them was to blame. Here each worker has a pipe of its own and never more than one job, so that a death
 has one suspect: that job is tried once more, last, when whatever may have crowded it out of memory is done; if it
-takes a second worker along it fails. All others go on.
+takes a second worker along it fails. All others go on. And a job that takes too long can be ended, with its worker.
 """
 
 from __future__ import annotations
 
 import contextlib
+import math
 import multiprocessing
 import signal
 import time
@@ -21,7 +22,7 @@ from typing import TYPE_CHECKING, Final, cast
 from poisson_cli.batch import memory
 from poisson_cli.batch.task import Result, Task
 from poisson_cli.batch.worker import READY, Perform, deaf, serve
-from poisson_cli.errors import BUG, PoissonError
+from poisson_cli.errors import BUG, TERMINATED, PoissonError
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
@@ -44,6 +45,7 @@ def run(
     workers: int,
     limit: int,
     keep_going: bool = True,
+    timeout: float | None = None,
     quiet: bool = True,
     begins: Callable[[Task], None] = lambda task: None,
     perform: Perform | None = None,
@@ -60,6 +62,8 @@ def run(
         Bytes that all jobs that run may need together, by their estimates.
     keep_going
         Begin further jobs after one has failed. Those that run are finished in any case.
+    timeout
+        Seconds after which a job has failed, and its worker is ended; None: never.
     quiet
         Compile the solver, if it has to be, in silence.
     begins
@@ -77,7 +81,7 @@ def run(
     PoissonError
         If workers cannot be started.
     """
-    pool = _Pool(tasks, workers, limit, quiet, begins, perform)
+    pool = _Pool(tasks, workers, limit, timeout, quiet, begins, perform)
     try:
         for result in pool.results():
             if result.status == "failed" and not keep_going:
@@ -116,6 +120,8 @@ class _Worker:
         theirs.close()  # or this side would never hear that the other is gone
         self.is_ready = False
         self.attempt: _Attempt | None = None
+        self.deadline = math.inf
+        self.is_stopped = False  # because its job took too long
 
 
 class _Pool:
@@ -126,12 +132,14 @@ class _Pool:
         tasks: Iterable[Task],
         workers: int,
         limit: int,
+        timeout: float | None,
         quiet: bool,
         begins: Callable[[Task], None],
         perform: Perform | None,
     ) -> None:
         self._waiting = deque(_Attempt(task) for task in tasks)
         self._most, self._limit = workers, limit
+        self._timeout = math.inf if timeout is None else timeout
         self._quiet, self._begins, self._perform = quiet, begins, perform
         self._context = multiprocessing.get_context("spawn")
         self._estimate = memory.estimator()
@@ -145,8 +153,9 @@ class _Pool:
             if not any(worker.attempt for worker in self._workers):
                 return
             by_pipe = {worker.pipe: worker for worker in self._workers}
-            for pipe in wait(list(by_pipe)):
+            for pipe in wait(list(by_pipe), self._time_left()):
                 yield from self._hear(by_pipe[cast("Connection", pipe)])
+            yield from self._stop_overdue()
 
     def begin_no_more(self) -> None:
         """Leave the jobs that wait undone."""
@@ -163,7 +172,7 @@ class _Pool:
             worker.process.join(max(0.0, deadline - time.monotonic()))
             if worker.process.is_alive():
                 worker.process.kill()
-                worker.process.join()
+                worker.process.join(_PATIENCE)  # a process that waits for a dead disk cannot be killed
             if worker.attempt is not None:
                 _sweep(worker)
         self._workers.clear()
@@ -188,6 +197,8 @@ class _Pool:
                 return
             self._waiting.popleft()
             worker.attempt = attempt
+            if worker.is_ready:
+                worker.deadline = time.monotonic() + self._timeout
             if attempt.times == 1:
                 attempt.is_first = not attempt.task.is_begun()
             # A worker that died while it had nothing to do is noticed when it is listened to.
@@ -216,11 +227,29 @@ class _Pool:
             return
         if message == READY:
             worker.is_ready = True
+            worker.deadline = time.monotonic() + self._timeout  # what it took to get ready does not count
             self._stillborn = 0
         else:
             assert isinstance(message, Result)
-            worker.attempt = None
+            worker.attempt, worker.deadline = None, math.inf
             yield message
+
+    def _time_left(self) -> float | None:
+        """Seconds until the first job will have taken too long; None if none ever will."""
+        first = min(worker.deadline for worker in self._workers)
+        return None if math.isinf(first) else max(0.0, first - time.monotonic())
+
+    def _stop_overdue(self) -> Iterator[Result]:
+        """Ask workers to end whose jobs take too long; then see to it; then do without them."""
+        now = time.monotonic()
+        for worker in [worker for worker in self._workers if now >= worker.deadline]:
+            if not worker.is_stopped:
+                worker.is_stopped = True
+                worker.process.terminate()
+                worker.deadline = now + _PATIENCE
+            else:
+                worker.process.kill()
+                yield from self._bury(worker)
 
     def _bury(self, worker: _Worker) -> Iterator[Result]:
         """See to the job of a worker that is dead."""
@@ -232,7 +261,9 @@ class _Pool:
         if attempt is None:
             return
         _sweep(worker)
-        if not worker.is_ready:
+        if worker.is_stopped:
+            yield _too_long(attempt, self._timeout)
+        elif not worker.is_ready:
             self._stillborn += 1
             if self._stillborn >= _STILLBORN:
                 raise PoissonError(
@@ -255,6 +286,17 @@ def _too_large(attempt: _Attempt, limit: int) -> Result:
         error=f"may need {need} of memory, and all jobs together have {memory.said(limit)}; "
         f"--memory {need.replace(' ', '')} lets it run",
         attempts=0,
+    )
+
+
+def _too_long(attempt: _Attempt, timeout: float) -> Result:
+    return Result.of(
+        attempt.task,
+        "failed",
+        exit_code=TERMINATED,
+        error=f"took longer than {timeout:g} s and was ended; --timeout says how long a job may take",
+        seconds=timeout,
+        attempts=attempt.times,
     )
 
 

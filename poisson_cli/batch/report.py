@@ -10,7 +10,7 @@ import sys
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any, BinaryIO, TextIO
 
 from poisson_cli import errors
 from poisson_cli.batch.task import Result
@@ -123,18 +123,47 @@ def opened(path: Path | None, *, goes_on: bool, overwrite: bool) -> Iterator[Tex
     except OSError as error:
         raise errors.OutputError(f"{path}: cannot be written ({error.strerror or error})") from error
     with stream:
-        if _is_torn(path):
-            stream.write("\n")
+        _mend(stream, path)
         yield stream
 
 
-def _is_torn(path: Path) -> bool:
-    """Whether the last line has no end, because the run that wrote it was killed just then."""
-    if not path.stat().st_size:
+def _mend(stream: TextIO, path: Path) -> None:
+    """See to a last line that has no end, because the run that wrote it was killed just then, or the disk was full.
+
+    Half a line of a report would make the whole unreadable to most programs, so it is cut off: its job has no line, as
+    others that were stopped have none. Whatever else it is, it stays.
+    """
+    if not os.path.isfile(path):  # a pipe, which has no lines of earlier runs
+        return
+    with open(path, "rb+") as file:
+        begin = _last_line(file)
+        line = file.read()
+        ours = any(line.startswith(head[: len(line)]) for head in (b'{"job": ', b'{"summary": '))
+        if line and ours and not _is_json(line):
+            file.truncate(begin)
+        elif line:
+            stream.write("\n")
+
+
+def _last_line(file: BinaryIO) -> int:
+    """Go to where the last line begins, which is the end if all have an end."""
+    begin = file.seek(0, os.SEEK_END)
+    while begin > 0:
+        before = max(0, begin - 4096)
+        file.seek(before)
+        at = file.read(begin - before).rfind(b"\n")
+        if at >= 0:
+            return file.seek(before + at + 1)
+        begin = before
+    return file.seek(0)
+
+
+def _is_json(line: bytes) -> bool:
+    try:
+        json.loads(line)
+    except ValueError:
         return False
-    with open(path, "rb") as file:
-        file.seek(-1, os.SEEK_END)
-        return file.read() != b"\n"
+    return True
 
 
 def write(line: dict[str, Any], stream: TextIO | None) -> None:
@@ -153,4 +182,5 @@ def write(line: dict[str, Any], stream: TextIO | None) -> None:
     except BrokenPipeError:
         silence(stream)
     except OSError as error:
+        silence(stream)  # it holds what it could not write, and would try again when it is closed
         raise errors.OutputError(f"the report cannot be written ({error.strerror or error})") from error

@@ -7,6 +7,7 @@ from collections.abc import Callable, Generator, Sequence
 from pathlib import Path
 
 from poisson_cli.batch import memory as memory_
+from poisson_cli.batch import outputs
 from poisson_cli.batch.task import Result, Task
 
 __all__ = ["folder_for", "results"]
@@ -28,6 +29,8 @@ def results(
     workers: int | None = None,
     keep_going: bool = True,
     memory: int | None = None,
+    timeout: float | None = None,
+    make_folders: bool = False,
     scheduler: str | None = None,
     quiet: bool = True,
     begins: Callable[[Task], None] = lambda task: None,
@@ -38,7 +41,7 @@ def results(
     ----------
     tasks
         From `poisson_cli.batch.checking.check`.
-    workers, keep_going, memory, scheduler
+    workers, keep_going, memory, timeout, make_folders, scheduler
         As `poisson_cli.batch.run`.
     quiet
         Compile the solver, if it has to be, in silence.
@@ -59,6 +62,8 @@ def results(
             left.append(task.replacing() if task.skip_existing and task.is_begun() else task)
     if not left:
         return
+    if make_folders:
+        outputs.make_folders(left)
     if scheduler is not None:
         from poisson_cli.batch import cluster
 
@@ -72,6 +77,7 @@ def results(
         workers=min(workers or available_cores(), len(left)),
         limit=memory or memory_.available(),
         keep_going=keep_going,
+        timeout=timeout,
         quiet=quiet,
         begins=begins,
     )

@@ -14,7 +14,7 @@ from poisson_cli.job import Job, outputs, run_together
 from poisson_cli.masking import MaskJob
 from poisson_cli.masking import run as run_mask
 
-__all__ = ["Result", "Task", "perform"]
+__all__ = ["Result", "Task", "outputs_of", "perform"]
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Task:
     @property
     def outputs(self) -> tuple[Path, ...]:
         """All files that it writes, the result first."""
-        return tuple(path for job in self.jobs for path in _outputs(job))
+        return tuple(path for job in self.jobs for path in outputs_of(job))
 
     def is_done(self) -> bool:
         """Whether all outputs are there."""
@@ -61,10 +61,7 @@ class Task:
         """The same, but outputs that are there are replaced."""
         return dataclasses.replace(
             self,
-            jobs=tuple(
-                dataclasses.replace(job, output=dataclasses.replace(job.output, overwrite=True))
-                for job in self.jobs
-            ),
+            jobs=tuple(job._replace(output=job.output._replace(overwrite=True)) for job in self.jobs),
         )
 
 
@@ -180,7 +177,8 @@ def _do(task: Task) -> dict[str, Any]:
     }
 
 
-def _outputs(job: Job | MaskJob) -> list[Path]:
+def outputs_of(job: Job | MaskJob) -> list[Path]:
+    """All files that it writes, the result first."""
     return [job.output.path] if isinstance(job, MaskJob) else list(outputs(job).values())
 
 

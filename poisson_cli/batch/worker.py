@@ -15,7 +15,7 @@ from multiprocessing.connection import Connection
 from types import FrameType
 from typing import TYPE_CHECKING, Any, Final
 
-from poisson_cli import errors
+from poisson_cli import errors, interrupts
 
 if TYPE_CHECKING:
     from poisson_cli.batch.task import Result, Task
@@ -32,28 +32,18 @@ _PATIENCE: Final = 3.0
 """Seconds that a worker has to tidy up when the batch is gone."""
 
 
-_STOPS: Final = (signal.SIGINT, signal.SIGTERM)
-
-
 @contextlib.contextmanager
 def deaf() -> Iterator[None]:
     """Hear of no signal before the end, and let a process that is started meanwhile hear of none before `serve`.
 
     Half a start would leave a process that complains about it; a process that is half awake would complain as well.
     """
-    if not hasattr(
-        signal, "pthread_sigmask"
-    ):  # Windows, where a Ctrl-C in between is the worst that can happen
-        yield
-        return
-    from multiprocessing import resource_tracker
+    if os.name == "posix":
+        from multiprocessing import resource_tracker
 
-    resource_tracker.ensure_running()  # comes with the first process, and would let signals in when it does
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, _STOPS)
-    try:
+        resource_tracker.ensure_running()  # comes with the first process, and would let signals in when it does
+    with interrupts.held():
         yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def serve(pipe: Connection, perform: Perform | None, quiet: bool) -> None:
@@ -68,30 +58,31 @@ def serve(pipe: Connection, perform: Perform | None, quiet: bool) -> None:
     quiet
         Compile the solver, if it has to be, in silence.
     """
-    code = 0
+    code = errors.BUG  # if something else ends this
     try:
-        # A Ctrl-C at the terminal reaches every process there; what becomes of it is for the batch to say.
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        # A Ctrl-C at the terminal, or its end, reaches every process there; what becomes of it the batch has to say.
+        for name in ("SIGINT", "SIGHUP"):
+            if hasattr(signal, name):
+                signal.signal(getattr(signal, name), signal.SIG_IGN)
         signal.signal(signal.SIGTERM, _stop)
-        if hasattr(signal, "pthread_sigmask"):
-            signal.pthread_sigmask(signal.SIG_UNBLOCK, _STOPS)
+        interrupts.let_in()
         threading.Thread(target=_end_with_the_batch, name="end with the batch", daemon=True).start()
-        os.environ.setdefault(
-            "OPENBLAS_NUM_THREADS", "1"
-        )  # read when numpy is loaded; jobs are what runs in parallel
+        # Read when numpy is loaded; jobs are what runs in parallel.
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         do = _the_usual(quiet) if perform is None else perform
         pipe.send(READY)
         while True:
             task, attempts = pipe.recv()
             pipe.send(do(task, attempts))
     except (EOFError, ConnectionError):
-        pass
+        code = errors.DONE
     except errors.Terminated:
         code = errors.TERMINATED
     finally:
-        with contextlib.suppress(OSError):
-            pipe.close()
-        os._exit(code)  # at once: nothing is left to tidy up
+        try:
+            os._exit(code)  # at once: nothing is left to tidy up
+        finally:
+            os._exit(code)  # even if a signal, of which only the first is heard, comes just now
 
 
 def _the_usual(quiet: bool) -> Perform:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from poisson_cli.params import COUNT, FILE, SHARD, SIZE
+from poisson_cli.params import COUNT, FILE, POSITIVE, SHARD, SIZE
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -35,6 +35,7 @@ __all__ = ["command"]
     help="Skip jobs whose outputs are there: so a batch that was stopped goes on.",
 )
 @click.option("--overwrite", is_flag=True, help="Replace outputs that exist.")
+@click.option("--make-folders", is_flag=True, help="Make the folders of outputs that are not there.")
 @click.option(
     "--shard",
     type=SHARD,
@@ -67,6 +68,12 @@ __all__ = ["command"]
     "they may need so much, such as 800M or 12G; by default most of what is free.",
 )
 @click.option(
+    "--timeout",
+    type=POSITIVE,
+    metavar="SECONDS",
+    help="A job that takes longer has failed, and its process is ended; by default it may take for ever.",
+)
+@click.option(
     "--scheduler",
     metavar="ADDRESS",
     help="Do the jobs on the Dask cluster whose scheduler is at ADDRESS, or on one that is started here, if that is "
@@ -79,11 +86,13 @@ def command(
     keep_going: bool,
     skip_existing: bool,
     overwrite: bool,
+    make_folders: bool,
     shard: tuple[int, int],
     defaults: tuple[str, ...],
     report: Path | None,
     dry_run: bool,
     memory: int | None,
+    timeout: float | None,
     scheduler: str | None,
     quiet: bool,
 ) -> None:
@@ -107,6 +116,10 @@ def command(
         raise click.UsageError(
             "--memory is for this machine; the workers of a cluster have their own limits."
         )
+    if scheduler is not None and timeout is not None:
+        raise click.UsageError("--timeout is for this machine; no job of a cluster can be ended by itself.")
+    if report is not None and report.exists() and manifest.exists() and report.samefile(manifest):
+        raise click.UsageError("--report would write into MANIFEST; give it another name.")
     pairs = [default.partition("=") for default in defaults]
     if wrong := next((name for name, equals, _ in pairs if not (name and equals)), None):
         raise click.UsageError(f"--default {wrong} has no value: write it as NAME=VALUE.")
@@ -119,11 +132,13 @@ def command(
         keep_going=keep_going,
         skip_existing=skip_existing,
         overwrite=overwrite,
+        make_folders=make_folders,
         shard=shard,
         defaults=tuple((name, value) for name, _, value in pairs),
         report=report,
         dry_run=dry_run,
         memory=memory,
+        timeout=timeout,
         scheduler=scheduler,
         quiet=quiet,
     )

@@ -61,7 +61,7 @@ def command(
       poisson clone bird.jpg sky.png -m mask.png --at 320,40 -o out.png
     """
     from poisson_cli import attended
-    from poisson_cli.job import Job
+    from poisson_cli.settings import Job
 
     attended.run(
         [

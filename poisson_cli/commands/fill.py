@@ -43,7 +43,7 @@ def command(
       poisson fill scan.png -m scratches.png --rect 560,440,70,24 -o out.png
     """
     from poisson_cli import attended
-    from poisson_cli.job import Job
+    from poisson_cli.settings import Job
 
     attended.run(
         [

@@ -47,7 +47,7 @@ def command(
       poisson flatten portrait.jpg -m face.png --high 25 --show-edges edges.png -o out.png
     """
     from poisson_cli import attended
-    from poisson_cli.job import Job
+    from poisson_cli.settings import Job
 
     attended.run(
         [

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from poisson_cli import options
-from poisson_cli.params import FILE, NOT_NEGATIVE
+from poisson_cli.params import FACTOR, FILE
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -22,7 +22,7 @@ __all__ = ["command"]
 @options.selection
 @click.option(
     "--amount",
-    type=NOT_NEGATIVE,
+    type=FACTOR,
     metavar="F",
     required=True,
     help="Multiply the gradients: above 1 sharper, below 1 paler and hazier (not a blur), 0 smooth.",
@@ -52,7 +52,7 @@ def command(
       poisson focus portrait.jpg -m face.png --amount 1.5 -o out.png
     """
     from poisson_cli import attended
-    from poisson_cli.job import Job
+    from poisson_cli.settings import Job
 
     attended.run(
         [

@@ -63,7 +63,7 @@ def command(
     if parameters["offset"] is not None and parameters["reach"] is not None:
         raise click.UsageError("--reach is for the search; with --from nothing is searched for.")
     from poisson_cli import attended
-    from poisson_cli.job import Job
+    from poisson_cli.settings import Job
 
     attended.run(
         [

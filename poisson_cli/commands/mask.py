@@ -38,6 +38,6 @@ def command(
         --add -m handle.json:handle --subtract --rect 0,300,640,180 --over -o look.png
     """
     from poisson_cli import attended
-    from poisson_cli.masking import MaskJob
+    from poisson_cli.settings import MaskJob
 
     attended.run([MaskJob(image, selection, output, over, inputs)], reporting)

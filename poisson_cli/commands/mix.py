@@ -52,7 +52,7 @@ def command(
       poisson mix note.png wall.jpg --rect 0,0,400,300 --at 80,120 -o out.png
     """
     from poisson_cli import attended
-    from poisson_cli.job import Job
+    from poisson_cli.settings import Job
 
     attended.run(
         [

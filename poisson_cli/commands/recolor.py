@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from poisson_cli import options
-from poisson_cli.params import FACTORS, FILE, NOT_NEGATIVE, NUMBER
+from poisson_cli.params import FACTOR, FACTORS, FILE, NUMBER
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -38,7 +38,7 @@ __all__ = ["command"]
 )
 @click.option(
     "--saturation",
-    type=NOT_NEGATIVE,
+    type=FACTOR,
     metavar="F",
     default=1.0,
     help="Multiply how colourful they are: 0 is grey.",
@@ -75,7 +75,7 @@ def command(
       poisson recolor garden.jpg -m flower.png --gain 1.5,.5,.5 -o out.png
     """
     from poisson_cli import attended
-    from poisson_cli.job import Job
+    from poisson_cli.settings import Job
 
     attended.run(
         [

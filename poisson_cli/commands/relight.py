@@ -50,8 +50,12 @@ def command(
     Example: a face against the light, white in face.png:
       poisson relight portrait.jpg -m face.png --beta .3 -o out.png
     """
+    if parameters["per_channel"] and parameters["space"] == "lab":
+        raise click.UsageError(
+            "--per-channel needs --space rgb or linear: colours in CIE-Lab are no intensities."
+        )
     from poisson_cli import attended
-    from poisson_cli.job import Job
+    from poisson_cli.settings import Job
 
     attended.run(
         [

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -67,7 +66,7 @@ def command(
       poisson tile colour.png normals.png height.png -o tiles
     """
     from poisson_cli import attended
-    from poisson_cli.job import Job
+    from poisson_cli.settings import Job
 
     if len(previews) > len(images):
         raise click.UsageError(f"{len(previews)} times --preview, but there are {len(images)} pictures.")
@@ -94,10 +93,10 @@ def _each(images: tuple[Path, ...], outputs: tuple[Output, ...]) -> tuple[Output
     """The output of each picture."""
     if len(outputs) == 1 and outputs[0].path.is_dir():
         (folder,) = outputs
-        return tuple(dataclasses.replace(folder, path=folder.path / image.name) for image in images)
+        return tuple(folder._replace(path=folder.path / image.name) for image in images)
     if len(outputs) != len(images):
         raise click.UsageError(
-            f"{len(images)} pictures, but {len(outputs)} outputs: give -o once for each, or once with a folder that "
+            f"{len(images)} pictures, but {len(outputs)} x -o: give it once for each, or once with a folder that "
             "exists."
         )
     return outputs

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from poisson_cli import options
-from poisson_cli.params import FILE, NOT_NEGATIVE, NUMBER, POSITIVE
+from poisson_cli.params import FACTOR_ABOVE_0, FILE, within
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -21,7 +21,7 @@ __all__ = ["command"]
 @click.argument("image", type=FILE)
 @click.option(
     "--alpha",
-    type=POSITIVE,
+    type=FACTOR_ABOVE_0,
     metavar="F",
     default=0.1,
     show_default=True,
@@ -29,15 +29,15 @@ __all__ = ["command"]
 )
 @click.option(
     "--beta",
-    type=NUMBER,
+    type=within(0, 1),
     metavar="F",
     default=0.1,
     show_default=True,
-    help="How much so: 0 is not at all.",
+    help="How much so, from 0 to 1: 0 is not at all, .2 looks unreal.",
 )
 @click.option(
     "--saturation",
-    type=NOT_NEGATIVE,
+    type=within(0, 10),
     metavar="F",
     default=0.6,
     show_default=True,
@@ -45,7 +45,7 @@ __all__ = ["command"]
 )
 @click.option(
     "--black",
-    type=NOT_NEGATIVE,
+    type=within(0, 100),
     metavar="PERCENT",
     default=0.5,
     show_default=True,
@@ -53,7 +53,7 @@ __all__ = ["command"]
 )
 @click.option(
     "--white",
-    type=POSITIVE,
+    type=within(0, 100, above_low=True),
     metavar="PERCENT",
     default=99.5,
     show_default=True,
@@ -61,7 +61,7 @@ __all__ = ["command"]
 )
 @click.option(
     "--floor",
-    type=POSITIVE,
+    type=FACTOR_ABOVE_0,
     metavar="F",
     default=0.01,
     show_default=True,
@@ -69,7 +69,7 @@ __all__ = ["command"]
 )
 @click.option(
     "--gamma",
-    type=POSITIVE,
+    type=within(0.5, 10),
     metavar="F",
     default=1.0,
     show_default=True,
@@ -90,14 +90,19 @@ def command(
 ) -> None:
     """Lighten the shadows of IMAGE and hold back its lights, keeping the detail in both.
 
-    For dark or contrasty pictures; the whole picture changes.
+    For dark or contrasty pictures, and for files of a larger range than a screen's, which store linear light; the whole
+    picture changes.
 
     \b
     Example:
       poisson tonemap church.jpg -o out.png
+    The same from a Radiance HDR or OpenEXR file:
+      poisson tonemap church.hdr --floor .001 --gamma 2.2 --bit-depth 8 -o out.png
     """
+    if parameters["black"] >= parameters["white"]:
+        raise click.UsageError(f"--black is {parameters['black']:g}, but must be less than --white.")
     from poisson_cli import attended
-    from poisson_cli.job import Job
+    from poisson_cli.settings import Job
 
     attended.run(
         [

@@ -22,8 +22,11 @@ def command(quiet: bool) -> None:
     from poisson_cli import compiling
     from poisson_cli.errors import OutputError
     from solvers.kernels.policy import library
+    from solvers.native import store
     from solvers.native.library import VOLUMES
 
+    if (obstacle := store.obstacle(store.folder())) is not None:
+        raise OutputError(f"the solver is not compiled, {compiling.unkept(obstacle)}")
     compiling.announce(quiet=quiet)
     for volume in VOLUMES:
         library.addresses(volume)
@@ -34,9 +37,7 @@ def command(quiet: bool) -> None:
         )
     for shelf in map(library.shelf, VOLUMES):
         if shelf.read() is None:
-            raise OutputError(
-                f"{shelf.path.parent}: the compiled solver cannot be kept there "
-                f"({shelf.trouble or library.unkept or 'no reason is known'}); name another folder in POISSON_CACHE_DIR"
-            )
+            reason = shelf.trouble or library.unkept or "no reason is known"
+            raise OutputError(f"the solver was compiled in vain, {compiling.unkept(reason)}")
         if not quiet:
             click.echo(f"{shelf.path}: {shelf.path.stat().st_size / 1024:.0f} KiB")

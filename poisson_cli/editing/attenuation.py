@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from poisson_cli.editing.guidance import Factors
 from poisson_cli.editing.layers import Band, Layer
-from poisson_cli.errors import InputError
+from poisson_cli.editing.numbers import LARGEST_FACTOR, check_number
 from solvers import Guidance
 from solvers.canvas import Values, bands
 
@@ -55,12 +55,11 @@ def attenuating(
     Raises
     ------
     InputError
-        If `alpha` is not positive, or `beta` above 1, where gradients of nothing would become infinite.
+        If `alpha` is not positive or above 1000, or `beta` not in -1...1: above 1 gradients of nothing would become
+        infinite, and below -1 those of edges almost so.
     """
-    if not (np.isfinite(alpha) and alpha > 0):
-        raise InputError(f"alpha is {alpha}, but must be a positive number")
-    if not (np.isfinite(beta) and beta <= 1):
-        raise InputError(f"beta is {beta}, but must be a number of at most 1")
+    check_number("alpha", alpha, 0, LARGEST_FACTOR, above_low=True)
+    check_number("beta", beta, -1, 1)
 
     def norms(first: int, end: int) -> Guidance:
         # With memory of its own: threads ask at the same time.

@@ -28,7 +28,6 @@ LUMINANCE = (2126, 7152, 722)
 # X, Y, Z of the primaries, relative to those of white, which is R = G = B = 1: grey is exactly neutral in Lab.
 _XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
 _TO_XYZ = _XYZ / _XYZ.sum(1, keepdims=True)
-_FROM_XYZ: NDArray[Any] = np.linalg.inv(_TO_XYZ)
 
 # Where Lab's straight part ends, as a cube root; the light there is the cube of it.
 _DELTA = 6 / 29
@@ -66,7 +65,7 @@ def srgb_of(lab: Values) -> Values:
     xyz = np.empty_like(lab)
     for i, t in enumerate((y + lab[..., 1] / 500, y, y - lab[..., 2] / 200)):
         xyz[..., i] = _expanded(t)
-    return encode_srgb(np.stack(_mixed(_FROM_XYZ, xyz), axis=-1))
+    return encode_srgb(np.stack(_mixed(np.linalg.inv(_TO_XYZ), xyz), axis=-1))
 
 
 def luminance(values: Values) -> Values:
@@ -77,6 +76,25 @@ def luminance(values: Values) -> Values:
     weighted: Values = red * values[..., :1] + green * values[..., 1:2] + blue * values[..., 2:]
     weighted /= 10_000
     return weighted
+
+
+def drawn_into(values: Values, low: float, high: float) -> Values:
+    """Colours (..., 3) that leave a range drawn towards the grey of their luminance, just as far as they must.
+
+    So they lose saturation, and neither hue nor luminance.  What is in range stays as it is, to the last bit.  Where
+    the luminance itself leaves the range nothing helps, and its grey is what remains.
+    """
+    leaving = ((values < low) | (values > high)).any(-1)
+    if values.shape[-1] != 3 or not leaving.any():
+        return values
+    colours = values[leaving]
+    grey = luminance(colours)
+    beyond: Values = colours - grey
+    room: Values = np.maximum(np.where(beyond > 0, high - grey, grey - low), 0)
+    share = np.min(room / np.maximum(np.abs(beyond), room + (room == 0)), axis=-1, keepdims=True)
+    drawn = values.copy()
+    drawn[leaving] = np.where((grey < low) | (grey > high), grey, np.clip(grey + share * beyond, low, high))
+    return drawn
 
 
 def _mixed(matrix: NDArray[np.float64], values: Values) -> list[Any]:

@@ -1,21 +1,25 @@
 """The one pipeline behind every tool: crop, guidance, problem, solve, paste."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from time import perf_counter
-from typing import Unpack
+from typing import TYPE_CHECKING, Unpack
 
 from poisson_cli.editing.guidance import Factors, Field
 from poisson_cli.editing.report import Edit, report_on
-from poisson_cli.editing.rescaling import solve_in_range, without_guidance
+from poisson_cli.editing.rescaling import Unpainted, solve_in_range, without_guidance
 from poisson_cli.editing.scene import Scene
 from poisson_cli.editing.solving import SolverOptions, solve
-from poisson_cli.editing.spaces import Space
-from poisson_cli.editing.transforms import Transform
+from poisson_cli.editing.spaces import Fitted, Space
 from poisson_cli.editing.window import Window
 from poisson_cli.errors import InputError
 from solvers import PoissonProblem, SolveResult
 from solvers.canvas import Canvas
 from solvers.problem import LARGEST_SCREENING
+
+if TYPE_CHECKING:
+    from poisson_cli.editing.transforms import Transform
 
 
 def compose(
@@ -54,23 +58,29 @@ def compose(
         field = field.then(transform if callable(transform) else transform.on(scene, field.of, space))
     source = scene.layer("source", space) if "source" in field.of else None
 
-    def window_on(field: Field) -> Window:
+    def window_on(field: Field, screen: float) -> Window:
         drawn = screen > 0
         return Window(scene.destination, scene.placement, source, field, space, robust=robust, drawn=drawn)
 
-    def solved(canvas: Canvas) -> SolveResult:
+    def solved(canvas: Canvas, screen: float) -> SolveResult:
         region = scene.placement.region
         problem = PoissonProblem.on_canvas(region, canvas, level=space.level, screening=screen)
         return solve(problem, **options)
 
-    window = window_on(field)
+    window = window_on(field, screen)
+    if rescale:
+        space = Fitted(space, *window.range())
+        window = window_on(field, screen)
     mismatch, shift = window.boundary_mismatch() or (None, None)
     outliers = window.outliers()
     preparing = perf_counter() - start
     if rescale:
-        result, scale = solve_in_range(window, window_on(without_guidance(field)), solved)
+        none = window_on(without_guidance(field), 0.0)
+        result, scale = solve_in_range(
+            window, lambda: solved(Unpainted(window), screen), lambda: solved(Unpainted(none), 0.0)
+        )
     else:
-        result, scale = solved(window), 1.0
+        result, scale = solved(window, screen), 1.0
     guidance, paste = preparing + window.guidance_time.seconds, window.paste_time.seconds
     seconds = {"guidance": guidance, "solve": perf_counter() - start - guidance - paste, "paste": paste}
     report = report_on(

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from poisson_cli.editing import tone
+from poisson_cli.editing.numbers import check_number
 from poisson_cli.errors import InputError
 
 LOW = 4.0  # levels per pixel
@@ -41,8 +42,7 @@ def find_edges(
         If OpenCV is missing, or a parameter makes no sense.
     """
     for name, value in (("low", low), ("high", high), ("sigma", sigma)):
-        if not (np.isfinite(value) and value >= 0):
-            raise InputError(f"{name} is {value}, but must be a number from 0")
+        check_number(name, value, 0)
     if low > high:
         raise InputError(f"low is {low} and high is {high}, but low must not be the larger one")
     try:
@@ -53,6 +53,8 @@ def find_edges(
         ) from error
     image = tone.check_picture("image", image)
     tone.check_values("image", image)
+    if image.ndim == 3 and image.shape[2] == 1:
+        image = image[:, :, 0]  # OpenCV knows no other single channel
     levels: NDArray[np.float32] = np.clip(image / tone.level(image.dtype), 0, 255).astype(np.float32)
     if sigma > 0:
         levels[...] = cv2.GaussianBlur(levels, (0, 0), sigma, borderType=cv2.BORDER_REPLICATE)

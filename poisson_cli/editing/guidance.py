@@ -8,8 +8,7 @@ Both are made of the destination f* and the source g in a band of rows of the wi
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -24,8 +23,7 @@ Role = Literal["destination", "source"]
 Factors = Callable[[Band], Guidance]
 
 
-@dataclass(frozen=True)
-class Field:
+class Field(NamedTuple):
     """A guidance field.
 
     Attributes
@@ -71,7 +69,7 @@ class Field:
                 down += s.down * w.down
             return Guidance(across, down)
 
-        return replace(self, beyond=scaled, small=False)
+        return self._replace(beyond=scaled, small=False)
 
 
 def _stronger_gradients_of_the_destination(band: Band) -> Guidance:

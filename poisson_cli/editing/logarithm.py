@@ -11,6 +11,10 @@ from poisson_cli.editing.spaces import Space
 from poisson_cli.errors import InputError
 from solvers.canvas import Values
 
+# Nothing becomes more than exp(this) times as bright, which is black made white many times over; in Lab, where that is
+# cubed, float32 can hold no more.
+LARGEST_CHANGE = 20.0
+
 
 class LogLuminance:
     """The log of the luminance of another space (of its `brightness`): one channel, by which all others change alike.
@@ -50,7 +54,8 @@ class LogLuminance:
         assert before is not None
         assert stored is not None
         inner = self.space.to_working(stored.astype(self.dtype))
-        return self.space.to_stored(inner * np.exp(working - before), inner, stored)
+        change = np.minimum(working - before, working.dtype.type(LARGEST_CHANGE))
+        return self.space.to_stored(inner * np.exp(change), inner, stored)
 
     def brightness(self, working: Values) -> Values:
         """Itself."""

@@ -4,6 +4,7 @@ import numpy as np
 
 from poisson_cli.editing import colour
 from poisson_cli.editing.layers import Look
+from poisson_cli.editing.numbers import LARGEST_FACTOR, check_number
 from poisson_cli.errors import InputError
 from solvers.canvas import Values
 
@@ -30,12 +31,13 @@ def recoloring(gain: tuple[float, float, float], hue: float, saturation: float, 
         If a parameter makes no sense.
     """
     factors = np.asarray(gain, np.float64)
-    if factors.shape != (3,) or not (np.isfinite(factors).all() and (factors >= 0).all()):
-        raise InputError(f"gain is {gain}, but must be three numbers from 0, for red, green and blue")
+    if factors.shape != (3,) or not ((factors >= 0) & (factors <= LARGEST_FACTOR)).all():
+        raise InputError(
+            f"gain is {gain}, but must be three numbers from 0 to {LARGEST_FACTOR:g}, for red, green and blue"
+        )
     if not np.isfinite(hue):
         raise InputError(f"hue is {hue}, but must be a number of degrees")
-    if not (np.isfinite(saturation) and saturation >= 0):
-        raise InputError(f"saturation is {saturation}, but must be a number from 0")
+    check_number("saturation", saturation, 0, LARGEST_FACTOR)
     turns = hue % 360 != 0 or saturation != 1
     if not turns and (factors == 1).all():
         return None

@@ -1,7 +1,6 @@
 """What a tool returns: the edited picture, and what was done to it."""
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
@@ -9,8 +8,7 @@ from poisson_cli.editing.solving import SolverOptions
 from solvers import SolveResult
 
 
-@dataclass(frozen=True)
-class EditReport:
+class EditReport(NamedTuple):
     """What an edit did.
 
     Attributes
@@ -37,7 +35,7 @@ class EditReport:
     clipped : int
         Values of integer pictures that left the range and were clipped.
     seconds : dict
-        Seconds per stage: guidance, solve, paste.
+        Seconds per stage: guidance, solve, paste; before them search (for a patch) or edges, where they were sought.
     error_bound : float or None
         Proven upper bound of the error in any pixel, before values were rounded to integers, in levels; None unless
         it was asked for (`certify`).
@@ -82,8 +80,7 @@ class EditReport:
     boundary_shift: tuple[float, ...] | None = None
 
 
-@dataclass(frozen=True)
-class Edit:
+class Edit(NamedTuple):
     """The edited picture, of the destination's shape and dtype, and the report."""
 
     image: NDArray[Any]

@@ -1,18 +1,23 @@
 """Fitting a result into the range of its picture without clipping.
 
+A colour of which only some channels leave the range loses as much saturation as it must (`spaces.Fitted`): if contrast
+were taken away until the most saturated pixel fits, next to nothing would be left of most pictures.  So it is luminance
+that has to fit.
+
 With the guidance multiplied by s the solution of eq. (7) is m + s (f - m), where f is the solution with all of the
 guidance, and m, the membrane, that with none.  m obeys the maximum principle: it lies between the known values, and so
-in range.  The largest s <= 1 that keeps all values in range thus exists, and the result is as seamless as f is.
+in range.  The largest s <= 1 that keeps all of the luminance in range thus exists, and the result is as seamless as f
+is.  (If f is screened this is no solution of screened equations, but as seamless.)
 
-This holds in the space that is solved in.  In another than the stored values m may leave the range all the same (Lab's
-gamut is not convex): pixels at which it does have no say, and are clipped.
+In Lab the luminance of m may leave the range all the same, since the gamut is not convex: pixels at which it does have
+no say, and are clipped.
 
 f and m are held whole, unlike anything else in an edit.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import TypeVar
+from dataclasses import replace
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +26,7 @@ from poisson_cli.editing.guidance import Field
 from poisson_cli.editing.spaces import Space
 from poisson_cli.editing.window import Window
 from solvers import Guidance, SolveResult
-from solvers.canvas import Canvas, Correct, Share, Values
+from solvers.canvas import Correct, Share, Values
 
 HALVINGS = 40
 
@@ -35,22 +40,22 @@ def without_guidance(field: Field) -> Field:
 
 
 def solve_in_range(
-    window: Window, membrane: Window, solved: Callable[[Canvas], SolveResult]
+    window: Window, solve: Callable[[], SolveResult], solve_membrane: Callable[[], SolveResult]
 ) -> tuple[SolveResult, float]:
     """The solution painted within the range of the picture, and s.
 
     Parameters
     ----------
-    window, membrane : Window
-        With all of the guidance and with none; the first is painted on.
-    solved : callable
-        Solves the problem on a canvas.
+    window : Window
+        What is painted on, in a space that is `spaces.Fitted`.
+    solve, solve_membrane : callable
+        Solve, unpainted, with all of the guidance and with none; the second is asked for only where it is needed.
     """
-    whole = solved(Unpainted(window))
+    whole = solve()
     image = window.paint(_put(whole.solution), _at_once(window))
     if window.overshoot == 0:
         return replace(whole, solution=image), 1.0
-    none = solved(Unpainted(membrane))
+    none = solve_membrane()
     scale = largest_scale(window, whole.solution, none.solution)
     if scale < 1:
         image = window.paint(_put(scaled(whole.solution, none.solution, scale)), _at_once(window))
@@ -131,8 +136,7 @@ def scaled(f: Values, m: Values, scale: float) -> Values:
     return m + f.dtype.type(scale) * (f - m)
 
 
-@dataclass(frozen=True, eq=False)
-class _Pixels:
+class _Pixels(NamedTuple):
     """f and m in single pixels, (n, C), and what `Space.to_stored` must know of them."""
 
     space: Space

@@ -1,7 +1,6 @@
 """What an edit is made of: the picture, what is laid on it, and where."""
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +11,7 @@ from poisson_cli.editing.placement import Placement
 from poisson_cli.editing.spaces import Space
 
 
-@dataclass(frozen=True, eq=False)
-class Scene:
+class Scene(NamedTuple):
     """The pictures of an edit, whole.
 
     Attributes

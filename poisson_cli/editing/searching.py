@@ -67,8 +67,8 @@ def best_offset(image: NDArray[Any], placement: Placement, reach: int | None = N
     search = _costs(around, step, reach)
     if search.cost.size == 0 or not np.isfinite(search.cost).any():
         raise InputError(
-            "there is no room for a patch of the selection's size: select less, search farther, or say where to "
-            "take the patch from (offset)"
+            "there is no room for a patch of the selection's size beside it: select less, search farther, or say where "
+            "to take the patch from"
         )
     return search.best() if step == 1 else _refined(around, search.best_places(), step)
 

@@ -178,6 +178,23 @@ class Lab:
         return working[..., :1]
 
 
+class Fitted:
+    """Another space, whose colours lose as much saturation as they must to lie in low ... high when they are stored."""
+
+    def __init__(self, space: Space, low: float, high: float) -> None:
+        self.name, self.full, self.dtype = space.name, space.full, space.dtype
+        self.level, self.expansion = space.level, space.expansion
+        self.check, self.channels, self.to_working = space.check, space.channels, space.to_working
+        self.brightness = space.brightness
+        self._space, self._range = space, (low, high)
+
+    def to_stored(
+        self, working: Values, before: Values | None = None, stored: Values | None = None
+    ) -> Values:
+        """See `Space`."""
+        return colour.drawn_into(self._space.to_stored(working, before, stored), *self._range)
+
+
 def _kept(encoded: Values, same: Any, stored: Values | None) -> Values:
     if stored is not None:
         np.copyto(encoded, stored, where=same)

@@ -121,5 +121,5 @@ def check_colours(name: str, channels: int) -> None:
     """InputError unless a picture has the three channels that colours need."""
     if channels != 3:
         raise InputError(
-            f"this needs red, green and blue, but the {name} has {channels} channel{'s'[: channels - 1]}"
+            f"colours are made of red, green and blue, but the {name} has {channels} channel{'s'[: channels - 1]}"
         )

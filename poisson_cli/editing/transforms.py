@@ -19,6 +19,7 @@ from poisson_cli.editing.edges import HIGH, LOW, SIGMA, find_edges
 from poisson_cli.editing.guidance import Factors, Role
 from poisson_cli.editing.layers import Band
 from poisson_cli.editing.logarithm import LogLuminance
+from poisson_cli.editing.numbers import LARGEST_FACTOR, check_number
 from poisson_cli.editing.scene import Scene
 from poisson_cli.editing.spaces import Space
 from poisson_cli.errors import InputError
@@ -83,8 +84,7 @@ class Scale:
 
     def on(self, scene: Scene, of: Sequence[Role], space: Space) -> Factors:
         """The same factor everywhere."""
-        if not (np.isfinite(self.amount) and self.amount >= 0):
-            raise InputError(f"amount is {self.amount}, but must be a number from 0")
+        check_number("amount", self.amount, 0, LARGEST_FACTOR)
         factor = np.full((1, 1, 1), self.amount, space.dtype)
         return lambda band: Guidance(factor, factor)
 
@@ -101,9 +101,9 @@ class Attenuate:
     Attributes
     ----------
     alpha : float
-        Positive.
+        Positive, at most 1000.
     beta : float
-        At most 1; 0 changes nothing, and a negative one does the reverse.
+        From -1 to 1; 0 changes nothing, and a negative one does the reverse.
     """
 
     alpha: float = ALPHA
@@ -111,7 +111,9 @@ class Attenuate:
 
     def on(self, scene: Scene, of: Sequence[Role], space: Space) -> Factors:
         """(a / |grad L|)^beta."""
-        layers = [scene.layer(role, LogLuminance(space)) for role in of]
+        logs = LogLuminance(space)
+        logs.check("destination", scene.channels or 1)  # the source has as many here, or one
+        layers = [scene.layer(role, logs) for role in of]
         region = scene.placement.region
         return attenuating(layers, region, alpha=self.alpha, beta=self.beta, least=LEAST_NORM)
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
@@ -12,8 +11,7 @@ from poisson_cli.images.metadata import Metadata
 __all__ = ["Decoded"]
 
 
-@dataclass(frozen=True)
-class Decoded:
+class Decoded(NamedTuple):
     """A picture as it is stored, lying on its side if the camera did.
 
     Parameters

@@ -13,7 +13,21 @@ from dataclasses import dataclass, field
 from poisson_cli import defaults
 from poisson_cli.errors import InputError
 
-__all__ = ["Asking", "asked", "asking"]
+__all__ = ["Asking", "Sized", "asked", "asking"]
+
+
+class Sized(Exception):
+    """What a picture's header claims, instead of the picture, for somebody who asked for no more.
+
+    Parameters
+    ----------
+    height, width
+        In pixels, as they are stored.
+    """
+
+    def __init__(self, height: int, width: int) -> None:
+        super().__init__(height, width)
+        self.height, self.width = height, width
 
 
 @dataclass
@@ -32,6 +46,8 @@ class Asking:
         Whether there was a file with several pictures.
     stdin_taken
         Whether the standard input, which can be read only once, has been.
+    only_size
+        Whether it is enough to know how large a picture is: `Sized` is raised as soon as that is known.
     """
 
     page: int | None = None
@@ -39,6 +55,7 @@ class Asking:
     notices: list[str] = field(default_factory=list)
     paged: bool = False
     stdin_taken: bool = False
+    only_size: bool = False
 
     def choose(self, name: str, count: int, kind: str) -> int:
         """Choose one of a file's pictures.
@@ -80,7 +97,12 @@ class Asking:
             raise InputError(f"--page {self.page}: no input holds several pages or frames")
 
     def refuse_large(self, name: str, width: int, height: int) -> None:
-        """Refuse a picture without pixels, or with more than were asked for."""
+        """Refuse a picture without pixels, or with more than were asked for.
+
+        Every decoder asks this as soon as it knows.
+        """
+        if self.only_size:
+            raise Sized(height, width)
         if width < 1 or height < 1:
             raise InputError(f"{name}: a picture of {width}x{height} pixels, which is none")
         if width * height > self.largest:
@@ -99,9 +121,11 @@ def asked() -> Asking:
 
 
 @contextmanager
-def asking(page: int | None = None, largest: int = defaults.MAX_PIXELS) -> Iterator[Asking]:
+def asking(
+    page: int | None = None, largest: int = defaults.MAX_PIXELS, *, only_size: bool = False
+) -> Iterator[Asking]:
     """Ask for something while a ``with`` lasts; the parameters are those of `Asking`."""
-    current = Asking(page, largest)
+    current = Asking(page, largest, only_size=only_size)
     token = _CURRENT.set(current)
     try:
         yield current

@@ -9,12 +9,15 @@ from __future__ import annotations
 import struct
 from typing import Final
 
-__all__ = ["MARK", "bare", "of_upright", "orientation"]
+__all__ = ["MARK", "bare", "of_size", "of_upright", "orientation"]
 
 MARK: Final = b"Exif\0\0"
 """Stands before the block in JPEG, and by mistake elsewhere."""
 
+_WIDTHS: Final = (0x0100, 0xA002)
+_HEIGHTS: Final = (0x0101, 0xA003)
 _ORIENTATION: Final = 0x0112
+_EXIF: Final = 0x8769
 _PREVIEW_OFFSET: Final = 0x0201
 _PREVIEW_LENGTH: Final = 0x0202
 _LONGEST: Final = 4096
@@ -66,6 +69,29 @@ def of_upright(block: bytes | None) -> bytes | None:
             if start + length <= len(changed):
                 changed[start : start + length] = bytes(length)
         struct.pack_into(f"{order}I", changed, at, 0)
+    return bytes(changed)
+
+
+def of_size(block: bytes | None, height: int, width: int) -> bytes | None:
+    """A block in which the size of the picture, where it stands, is the one it has: turned or cut out, it is another.
+
+    Parameters
+    ----------
+    block
+        Without the mark.
+    height, width
+        Pixels.
+    """
+    if block is None:
+        return None
+    changed = bytearray(block)
+    order = _order(block)
+    main, _ = _directory(block, _first(block))
+    inner = struct.unpack_from(f"{order}I", block, main[_EXIF] + 8)[0] if _EXIF in main else 0
+    for entries in (main, _directory(block, inner)[0]):
+        for tags, side in ((_WIDTHS, width), (_HEIGHTS, height)):
+            for tag in entries.keys() & tags:
+                struct.pack_into(f"{order}HII", changed, entries[tag] + 2, 4, 1, side)
     return bytes(changed)
 
 

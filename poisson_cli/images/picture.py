@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import dataclasses
-from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from numpy.typing import NDArray
 
@@ -16,8 +14,7 @@ __all__ = ["Picture"]
 _LAYOUTS: Final = {1: "grey", 2: "grey with alpha", 3: "RGB", 4: "RGB with alpha"}
 
 
-@dataclass(frozen=True)
-class Picture:
+class Picture(NamedTuple):
     """A picture as it should be looked at: upright, palette applied.
 
     Parameters
@@ -73,7 +70,7 @@ class Picture:
         """The picture in another depth, and what its pixels lost on the way."""
         pixels = convert(self.pixels, depth)
         alpha = None if self.alpha is None else convert(self.alpha, depth).values
-        return dataclasses.replace(self, pixels=pixels.values, alpha=alpha), pixels
+        return self._replace(pixels=pixels.values, alpha=alpha), pixels
 
     def in_8_bits(self) -> Picture:
         """The picture as a mask is read, in levels from 0 to 255."""

@@ -107,8 +107,8 @@ def _decoded(data: bytes, name: str, *, indices: bool = False) -> Decoded:
     form = _recognised(data, name)
     if form.absent is not None:
         raise InputError(f"{name}: {form.absent}")
+    codec = importlib.import_module(f"poisson_cli.images.codecs.{form.codec}")
     with decoding(name, form):
-        codec = importlib.import_module(f"poisson_cli.images.codecs.{form.codec}")
         decoded: Decoded = codec.decode(data, name, form, indices=indices)
     return decoded
 

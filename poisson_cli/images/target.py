@@ -9,20 +9,19 @@ from __future__ import annotations
 import os
 import stat
 import sys
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from poisson_cli.errors import OutputError
 from poisson_cli.images.depth import in_words
-from poisson_cli.images.formats import WRITTEN, Format, by_extension, listed
+from poisson_cli.images.formats import TIFF, WRITTEN, Format, by_extension, listed
 from poisson_cli.images.picture import Picture
-from poisson_cli.streams import STANDARD, missing
+from poisson_cli.streams import STANDARD, is_standard_output, missing
 
-__all__ = ["Target", "prepare"]
+__all__ = ["Target", "format_for", "prepare"]
 
 
-@dataclass(frozen=True)
-class Target:
+class Target(NamedTuple):
     """A file that is going to be written.
 
     Parameters
@@ -39,6 +38,8 @@ class Target:
         Whether it is a pipe or a device, or the standard output: written into, never replaced.
     quality
         Of a lossy format, 1 to 100; None leaves it to the format.
+    grey
+        Whether its name says that it is grey.
     """
 
     path: Path
@@ -47,6 +48,7 @@ class Target:
     overwrite: bool = False
     stream: bool = False
     quality: int | None = None
+    grey: bool = False
 
     @property
     def name(self) -> str:
@@ -67,6 +69,10 @@ class Target:
             If it has more channels than the format, longer sides, or another depth.
         """
         form = self.form
+        if self.grey and picture.pixels.ndim == 3:
+            raise OutputError(
+                f"{self.name}: a PGM is grey, and {picture.name} is {picture.layout}; name it .ppm"
+            )
         if picture.alpha is not None and not form.alpha:
             able = listed(tuple(known for known in WRITTEN if known.alpha and picture.depth in known.depths))
             raise OutputError(
@@ -108,15 +114,8 @@ def prepare(
         If nothing tells the format, the folder is missing or not writable, the file is there and may not be
         replaced, or what is there can be neither replaced nor written into.
     """
-    known = by_extension(path if form is None else Path(f"picture.{form}"))
-    if known is None:
-        raise OutputError(f"{path}: {_no_format(path)}")
-    if known.absent is not None:
-        raise OutputError(f"{path}: {known.absent}")
-    if quality is not None and not known.quality:
-        able = listed(tuple(known for known in WRITTEN if known.quality))
-        raise OutputError(f"{path}: {known.name} has no quality to choose; leave --quality to {able}")
-    if str(path) == STANDARD:
+    known = format_for(path, form=form, quality=quality)
+    if is_standard_output(path):
         if missing(sys.stdout):
             raise OutputError("standard output: it is closed; name a file with -o")
         if sys.stdout.isatty():
@@ -131,7 +130,34 @@ def prepare(
             refuse_obstacles(path, real, overwrite=overwrite)
     except OSError as error:  # a name too long, a loop of links
         raise OutputError(f"{path}: cannot be written ({error.strerror})") from error
-    return Target(path, path if stream else real, known, overwrite, stream, quality)
+    grey = form is None and path.suffix.lower() == ".pgm"
+    return Target(path, path if stream else real, known, overwrite, stream, quality, grey)
+
+
+def format_for(path: Path, *, form: str | None = None, quality: int | None = None) -> Format:
+    """What a picture would be written as, which is known before there is any.
+
+    Parameters
+    ----------
+    path, form, quality
+        As in `prepare`.
+
+    Raises
+    ------
+    OutputError
+        If nothing tells the format, it cannot be written here, or it has no quality to choose.
+    """
+    known = by_extension(path if form is None else Path(f"picture.{form}"))
+    if known is None and str(path) == os.devnull:
+        known = TIFF  # which can hold anything
+    if known is None:
+        raise OutputError(f"{path}: {_no_format(path)}")
+    if known.absent is not None:
+        raise OutputError(f"{path}: {known.absent}")
+    if quality is not None and not known.quality:
+        able = listed(tuple(known for known in WRITTEN if known.quality))
+        raise OutputError(f"{path}: {known.name} has no quality to choose; leave --quality to {able}")
+    return known
 
 
 def _no_format(path: Path) -> str:
@@ -145,22 +171,12 @@ def _no_format(path: Path) -> str:
 
 
 def _is_stream(path: Path) -> bool:
-    """Whether what is there is written into: a pipe, a device such as /dev/null, or whatever stdout leads to."""
+    """Whether what is there is written into: a pipe, or a device such as /dev/null."""
     try:
-        there = path.stat()
+        kind = path.stat().st_mode
     except (FileNotFoundError, NotADirectoryError):
         return False
-    if stat.S_ISFIFO(there.st_mode) or stat.S_ISCHR(there.st_mode):
-        return True
-    try:
-        return stat.S_ISREG(there.st_mode) and os.path.samestat(there, os.fstat(1)) and _is_descriptor(path)
-    except OSError:  # there is no stdout
-        return False
-
-
-def _is_descriptor(path: Path) -> bool:
-    """Whether a path is another name of an open file, such as /dev/stdout, rather than of the file itself."""
-    return os.path.realpath(path.parent).startswith(("/dev", "/proc"))
+    return stat.S_ISFIFO(kind) or stat.S_ISCHR(kind)
 
 
 def refuse_obstacles(path: Path, real: Path, *, overwrite: bool) -> None:
@@ -185,6 +201,7 @@ def refuse_obstacles(path: Path, real: Path, *, overwrite: bool) -> None:
     folder = real.parent
     if not folder.is_dir():
         raise OutputError(f"{path}: there is no folder {folder}; make it first")
+    protected = False
     try:
         kind = real.lstat().st_mode
     except FileNotFoundError:
@@ -198,5 +215,8 @@ def refuse_obstacles(path: Path, real: Path, *, overwrite: bool) -> None:
             raise OutputError(
                 f"{path}: exists already; add --overwrite to replace it, or choose another name"
             )
+        protected = not os.access(real, os.W_OK)
     if not os.access(folder, os.W_OK | os.X_OK):
         raise OutputError(f"{path}: the folder {folder} is not writable")
+    if protected:
+        raise OutputError(f"{path}: exists, and is protected against writing; choose another name")

@@ -1,13 +1,13 @@
 """Writing a picture file: whole, or not at all.
 
-The picture is encoded in memory, written to a temporary file beside the target and forced to the disk; only then does
-it take the target's name. A full disk, an encoder's exception or a signal leave the old file as it was, or no file.
+The picture is encoded in memory, written to a file that has no name yet, or a temporary one where every file must have
+one, and forced to the disk; only then does it take the target's name. A full disk, an encoder's exception or a signal
+leave the old file as it was, or no file.
 """
 
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 import importlib
 import os
 import stat
@@ -94,8 +94,9 @@ def encode(picture: Picture, form: Format, quality: int | None = None) -> bytes:
         If the format needs a package that is not there, or cannot hold this picture.
     """
     if picture.pixels.ndim == 2 and not form.grey:
-        picture = dataclasses.replace(picture, pixels=np.repeat(picture.pixels[..., np.newaxis], 3, axis=2))
-    picture = dataclasses.replace(picture, metadata=fitting(picture.metadata, form)[0])
+        picture = picture._replace(pixels=np.repeat(picture.pixels[..., np.newaxis], 3, axis=2))
+    metadata = fitting(picture.metadata, form)[0].of_size(*picture.shape)
+    picture = picture._replace(metadata=metadata)
     codec = importlib.import_module(f"poisson_cli.images.codecs.{form.codec}")
     data: bytes = codec.encode(picture, form, quality)
     return data
@@ -107,10 +108,10 @@ def fitting(metadata: Metadata, form: Format) -> tuple[Metadata, tuple[Kind, ...
     if metadata.profile is not None and "profile" not in stay and not form.can_hold_profile(metadata.profile):
         stay.append("profile")
     if form is JPEG:  # in which a block has at most 64 KiB
-        for kind, block in (("exif", metadata.exif), ("xmp", metadata.xmp)):
+        for kind, block in (("exif", metadata.exif), ("xmp", metadata.xmp), ("iptc", metadata.iptc)):
             if block is not None and len(block) > _JPEG_BLOCK:
                 stay.append(kind)
-    return dataclasses.replace(metadata, **dict.fromkeys(stay)), tuple(stay)
+    return metadata._replace(**dict.fromkeys(stay)), tuple(stay)
 
 
 def _send(data: bytes, path: Path | None) -> None:
@@ -139,7 +140,8 @@ def save(data: bytes, path: Path, *, overwrite: bool, before_commit: Committing 
     data
         The whole file.
     path
-        Where to; not a link. A new file gets the mode that the umask leaves, a replaced one keeps its mode.
+        Where to; not a link. A new file gets the mode that the umask leaves, a replaced one keeps its mode, and
+        its owner if that can be.
     overwrite
         Whether to replace a file that is there.
     before_commit
@@ -155,21 +157,68 @@ def save(data: bytes, path: Path, *, overwrite: bool, before_commit: Committing 
     # The name is settled before the file exists, so that no signal can come between the file and its removal.
     temporary = path.with_name(f".poisson-{os.getpid()}-{os.urandom(8).hex()}.tmp")
     try:
-        with open(temporary, "xb") as file:
-            if overwrite and path.exists():
-                os.chmod(temporary, stat.S_IMODE(path.stat().st_mode))
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        if before_commit is not None:
-            before_commit()
+        old = path.stat() if overwrite and path.exists() else None
+        wanted = temporary if overwrite else path
+        if not _write_nameless(data, wanted, old, before_commit):
+            with open(temporary, "xb") as file:
+                _write_through(data, file, old)
+            if before_commit is not None:
+                before_commit()
+            if not overwrite:
+                _name_if_free(temporary, path)
         if overwrite:
             os.replace(temporary, path)
-        else:
-            _name_if_free(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)
     _sync_folder(path.parent)
+
+
+def _write_nameless(data: bytes, path: Path, old: os.stat_result | None, before_commit: Committing) -> bool:
+    """Write a file that has no name before all of it is on the disk, so that not even SIGKILL leaves a part of it.
+
+    Returns
+    -------
+    bool
+        False where that cannot be done: it is for Linux, and some of its file systems.
+
+    Raises
+    ------
+    FileExistsError
+        If the name is taken.
+    """
+    if not hasattr(os, "O_TMPFILE"):
+        return False
+    with contextlib.ExitStack() as stack:
+        try:
+            folder = os.open(path.parent, os.O_RDONLY)
+            stack.callback(os.close, folder)
+            descriptor = os.open(path.parent, os.O_TMPFILE | os.O_WRONLY, 0o666)
+        except OSError:
+            return False
+        file = stack.enter_context(open(descriptor, "wb"))
+        _write_through(data, file, old)
+        if before_commit is not None:
+            before_commit()
+        try:
+            # With a folder's descriptor it is linkat(2), which alone follows the link to the file.
+            os.link(f"/proc/self/fd/{descriptor}", path.name, dst_dir_fd=folder)
+        except FileExistsError:
+            raise
+        except OSError:
+            return False
+    return True
+
+
+def _write_through(data: bytes, file: BinaryIO, old: os.stat_result | None) -> None:
+    """Write a whole file to the disk itself, for the owner and in the mode of the one that it replaces, if any."""
+    if old is not None:
+        if hasattr(os, "chown"):
+            with contextlib.suppress(OSError):  # only root may give files away
+                os.chown(file.fileno(), old.st_uid, old.st_gid)
+        os.chmod(file.fileno(), stat.S_IMODE(old.st_mode))
+    file.write(data)
+    file.flush()
+    os.fsync(file.fileno())
 
 
 def _name_if_free(temporary: Path, path: Path) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from poisson_cli.errors import InputError
 from poisson_cli.images import Picture
@@ -10,8 +10,7 @@ from poisson_cli.images import Picture
 __all__ = ["Canvas"]
 
 
-@dataclass(frozen=True)
-class Canvas:
+class Canvas(NamedTuple):
     """The picture that a selection is drawn on.
 
     Parameters

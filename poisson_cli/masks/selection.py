@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +18,7 @@ from poisson_cli.settings import Area, Combine, Ellipse, Grow, MaskFile, Polygon
 __all__ = ["Selected", "select"]
 
 
-@dataclass(frozen=True)
-class Selected:
+class Selected(NamedTuple):
     """A selection that was drawn.
 
     Parameters
@@ -129,6 +128,8 @@ def _of_empty_file(file: MaskFile, drawn: Drawn, threshold: int, canvas: Canvas)
     if 0 < drawn.strongest < threshold:
         return (
             f"the brightest pixel of a mask is {drawn.strongest}, below the threshold of {threshold} "
-            f"(lower it: --mask-threshold {drawn.strongest})"
+            f"(lower it: --mask-threshold {drawn.strongest}; or choose from a map of labels: :index={drawn.strongest})"
         )
+    if file.name.rpartition(":index=")[2].isdecimal():
+        return f"no pixel is {file.name}"
     return "no pixel of a mask is set (white selects; --invert-mask turns it round)"

@@ -14,9 +14,9 @@ from __future__ import annotations
 
 import codecs
 import os
-from dataclasses import dataclass
+import re
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,12 +32,17 @@ from poisson_cli.settings import MaskFile, Polygon
 
 __all__ = ["Drawn", "decode_mask", "locate", "read_mask"]
 
+_HEADING: Final = r"^[\"']?x[\"']?\s*,\s*[\"']?y[\"']?[ \t]*\r?\n"
+"""What a spreadsheet calls its columns."""
+
+_NUMBERS: Final = tuple("+-.#0123456789")
+"""What the corners of a polygon begin with."""
+
 _LARGEST: Final = 1 << 27
 """Bytes of a text; what it may hold has limits of its own, in characters."""
 
 
-@dataclass(frozen=True)
-class Drawn:
+class Drawn(NamedTuple):
     """What a mask file selects.
 
     Parameters
@@ -112,7 +117,8 @@ def decode_mask(data: bytes, name: str, part: str | None, canvas: Canvas, thresh
             from poisson_cli.masks.annotations import draw_annotations  # most runs can do without JSON
 
             return Drawn(draw_annotations(text, part, canvas))
-        if text[:1] and text[0] in "+-.#0123456789":
+        text = re.sub(_HEADING, "\n", text, flags=re.IGNORECASE)
+        if text.lstrip().startswith(_NUMBERS):
             if part is not None:
                 raise InputError(f"a polygon has no parts to choose from, such as {part!r}")
             return Drawn(draw_polygon(Polygon(parse_points(text)), canvas.shape))

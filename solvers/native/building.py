@@ -10,6 +10,7 @@ import os
 import re
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
@@ -97,11 +98,13 @@ def build(library: Library, volume: Volume) -> list[bytes]:
     try:
         objects = _work(library, volume, queue)
         for helper in helpers:
-            objects |= _answer(helper.communicate()[0])
+            assert helper.stdout is not None
+            objects |= _answer(helper.stdout.read())
     finally:
         os.close(queue)
         for helper in helpers:
-            helper.kill()
+            with helper:  # closes its streams, and waits for it
+                helper.kill()
     for k, job in enumerate(jobs):
         if k not in objects:  # a helper failed: so may we, and then say why
             objects[k] = _build_one(library, *job)
@@ -125,7 +128,7 @@ def _start_helper(library: Library, volume: Volume, queue: int) -> "subprocess.P
     )
     return subprocess.Popen(
         [sys.executable, "-c", program],
-        stdin=subprocess.DEVNULL,
+        stdin=subprocess.PIPE,  # ends with this process, see `help_out`
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
         pass_fds=(queue,),
@@ -133,9 +136,16 @@ def _start_helper(library: Library, volume: Volume, queue: int) -> "subprocess.P
 
 
 def help_out(library: Library, volume: Volume, queue: int) -> None:
-    """What a helper does: objects to its stdout, each behind its number."""
+    """What a helper does: objects to its stdout, each behind its number; nothing any more once its stdin ends."""
+    threading.Thread(target=_end_with_stdin, daemon=True).start()
     objects = _work(library, volume, queue)
     sys.stdout.buffer.write(packed_list([bytes([k]) + code for k, code in objects.items()]))
+
+
+def _end_with_stdin() -> None:
+    """Whoever waits for the objects holds the other end, and may be gone without a word: killed, or interrupted."""
+    sys.stdin.buffer.read()
+    os._exit(1)
 
 
 def _answer(answer: bytes) -> dict[int, bytes]:

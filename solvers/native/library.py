@@ -66,7 +66,7 @@ class Library:
     trouble : str or None
         Why the kernels had to be left to plain numba.
     unkept : str or None
-        Why what was compiled could not be kept for later processes.
+        Why what is compiled cannot be kept for later processes, as far as that is known.
     """
 
     def __init__(
@@ -137,7 +137,7 @@ class Library:
                 try:
                     self._addresses[volume] = self._load(volume)
                 except Exception as error:
-                    self.trouble = f"{type(error).__name__}: {error}"
+                    self.trouble = _said(error)
                     self._addresses[volume] = {}
             return self._addresses[volume]
 
@@ -158,15 +158,28 @@ class Library:
             again = shelf.read()
             if again is not None and again != found:
                 return loading.load(again, symbols)
-            start = perf_counter()
-            self._tell(volume, None)
+            content = self._build(volume, shelf)
+        return loading.load(content, symbols)
+
+    def _build(self, volume: Volume, shelf: "Shelf") -> bytes:
+        """Compile a volume, and keep it."""
+        from solvers.native import loading, store
+
+        start = perf_counter()
+        self.unkept = store.obstacle(shelf.path.parent)
+        self._tell(volume, None)
+        try:
             from solvers.native import building
 
-            content = loading.content_of(building.build(self, volume), symbols)
+            content = loading.content_of(building.build(self, volume), self.symbols(volume))
             if not shelf.write(content):
                 self.unkept = shelf.trouble
+        except Exception as error:
+            self.trouble = _said(error)
+            raise
+        finally:
             self._tell(volume, perf_counter() - start)
-        return loading.load(content, symbols)
+        return content
 
     def shelf(self, volume: Volume) -> "Shelf":
         """Where a compiled volume is kept, or will be."""
@@ -188,6 +201,10 @@ class Library:
                 self._twins[module] = twin.dispatchers(module, cache=True)
             found: Callable[..., Any] = getattr(self._twins[module], kernel.__name__)
             return found
+
+
+def _said(error: Exception) -> str:
+    return f"{type(error).__name__}: {error}"
 
 
 class Kernel:

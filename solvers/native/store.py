@@ -54,6 +54,26 @@ def folder() -> Path:
     return (Path(base) if os.path.isabs(base) else home / ".cache") / "poisson"
 
 
+def obstacle(place: Path) -> str | None:
+    """Why nothing can be kept in a folder, as far as can be known before; None if all is well. The folder is made."""
+    try:
+        _make_folder(place)
+    except (OSError, Refused) as error:
+        return _said(error)
+    return None if os.access(place, os.W_OK | os.X_OK) else f"{place} is not writable"
+
+
+def _make_folder(place: Path) -> None:
+    if not place.is_dir():
+        place.parent.mkdir(parents=True, exist_ok=True)
+        with contextlib.suppress(FileExistsError):
+            place.mkdir(mode=0o700)
+    status = os.stat(place)
+    if not stat.S_ISDIR(status.st_mode):
+        raise Refused(f"{place} is not a folder")
+    _check_safe(status, place)
+
+
 def key_of(library: "Library", volume: str, host: str) -> str:
     """The hash of all that a volume's object code depends on: sources, compilers, machine."""
     this_package = os.path.dirname(_origin(__name__.rpartition(".")[0]))
@@ -120,7 +140,7 @@ class Shelf:
         except FileNotFoundError:
             return None
         except (OSError, Refused) as error:
-            self.trouble = str(error)
+            self.trouble = _said(error)
             return None
         with open(descriptor, "rb") as file:
             try:
@@ -130,14 +150,14 @@ class Shelf:
                 _check_safe(status, self.path)
                 return unpacked(file.read())
             except (OSError, Refused) as error:
-                self.trouble = str(error)
+                self.trouble = _said(error)
                 return None
 
     def write(self, content: bytes) -> bool:
         """Put it there, whole or not at all; returns whether it is there now."""
         temporary = self.path.with_name(f".{self.path.stem[:16]}-{os.urandom(8).hex()}.tmp")
         try:
-            self._make_folder()
+            _make_folder(self.path.parent)
             descriptor = os.open(
                 temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o600
             )
@@ -150,7 +170,7 @@ class Shelf:
                     os.unlink(temporary)
                 raise
         except (OSError, Refused) as error:
-            self.trouble = str(error)
+            self.trouble = _said(error)
             return False
         return True
 
@@ -175,7 +195,7 @@ class Shelf:
         except ImportError:
             return None
         try:
-            self._make_folder()
+            _make_folder(self.path.parent)
             flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW
             descriptor = os.open(self.path.parent / ".lock", flags, 0o600)
         except (OSError, Refused):
@@ -193,14 +213,6 @@ class Shelf:
                 break
         os.close(descriptor)
         return None
-
-    def _make_folder(self) -> None:
-        place = self.path.parent
-        if not place.is_dir():
-            place.parent.mkdir(parents=True, exist_ok=True)
-            with contextlib.suppress(FileExistsError):
-                place.mkdir(mode=0o700)
-        _check_safe(os.stat(place), place)
 
 
 def packed_list(parts: Sequence[bytes]) -> bytes:
@@ -232,6 +244,13 @@ def unpacked(data: bytes) -> bytes:
     if data[: len(data) - len(content)] != _MAGIC + importlib.util.source_hash(content):
         raise Refused("a damaged file")
     return content
+
+
+def _said(error: Exception) -> str:
+    """An error in words: what, and why."""
+    if isinstance(error, OSError) and error.filename is not None:
+        return f"{error.filename}: {error.strerror}"
+    return str(error)
 
 
 def _check_safe(status: os.stat_result, path: Any) -> None:

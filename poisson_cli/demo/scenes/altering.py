@@ -169,7 +169,8 @@ _RECOLOR = Scene(
     figure="Figure 11",
     caption=(
         "A copy with its colours turned is cloned into the original. Seat, engine and tyre, within the loops as well, "
-        "have little colour to turn, and at the border everything is as it was."
+        "have little colour to turn, and at the border everything is as it was. A little of --screen gives both pieces "
+        "the same blue, whatever their borders run through."
     ),
     pictures={"garage.png": _GARAGE},
     selections={
@@ -193,12 +194,12 @@ _RECOLOR = Scene(
         )
     },
     naive={"plain-hue.png": Pasted(change=Hue(220))},
-    commands=(Command("recolor garage.png -m paint.png --hue 220 -o result.png --overwrite"),),
+    commands=(Command("recolor garage.png -m paint.png --hue 220 --screen .002 -o result.png --overwrite"),),
     panels=(
         Panel("Before", "red", "garage.png"),
         Panel("Selection", "two loose loops", "garage.png", "paint.png"),
         Panel("Colours turned", "those around it as well", "plain-hue.png"),
-        Panel("After", "poisson recolor --hue 220", RESULT),
+        Panel("After", "poisson recolor --hue 220 --screen .002", RESULT),
     ),
 )  # fmt: skip
 

@@ -47,12 +47,13 @@ _FOCUS = Scene(
 
 _DRAWN = Scene(
     name="mix-drawn",
-    title="Painted with a broad brush",
+    title="Painted on the wall",
     figure="Section 5",
     caption=(
         "Cloning and editing in one go, as the paper's conclusion proposes: what is brought over are the gradients at "
-        "the edges of the photograph only (--flatten), and those twice as strong (--focus 2). So the cat is "
-        "painted rather than pasted, in flat patches, and the joints of the wall run through her."
+        "the edges of the photograph only (--flatten), and those half as strong again (--focus 1.5). So the cat is "
+        "painted rather than pasted, in flat patches, and the joints of the wall run through her. A little of --screen "
+        "gives her the darks of her own picture back."
     ),
     pictures={
         "cat.png": Photograph("chelsea.png", size=(540, 360)),
@@ -77,7 +78,7 @@ _DRAWN = Scene(
     commands=(
         Command("mix cat.png wall.png -m face.png --at 0,80 -o mix.png --overwrite"),
         Command(
-            "mix cat.png wall.png -m face.png --at 0,80 --flatten --low 4 --high 8 --focus 2 "
+            "mix cat.png wall.png -m face.png --at 0,80 --flatten --focus 1.5 --screen .0005 "
             "-o result.png --overwrite"
         ),
     ),
@@ -87,37 +88,60 @@ _DRAWN = Scene(
         Panel("Plain copy", "a sticker", "plain-paste.png", crop=(0, 60, 512, 460)),
         Panel("Alpha blend", "a worn sticker", "alpha-blend.png", crop=(0, 60, 512, 460)),
         Panel("Mixed", "poisson mix: a projection", "mix.png", crop=(0, 60, 512, 460)),
-        Panel("After", "poisson mix --flatten --focus 2: a painting", RESULT, crop=(0, 60, 512, 460)),
+        Panel("After", "--flatten --focus 1.5 --screen .0005: a painting", RESULT, crop=(0, 60, 512, 460)),
     ),
     columns=3,
 )  # fmt: skip
 
 
+_CLOSER: Final = (90, 120, 390, 322)
+
 _TONEMAP = Scene(
-    name="tonemap-collar",
-    title="Detail in the dark",
+    name="tonemap-garage",
+    title="Light in the garage",
     figure="Section 1",
     caption=(
         "The relative that the paper starts from (Fattal, Lischinski and Werman 2002): over the whole picture, large "
-        "gradients of the logarithm are made smaller and small ones larger, scale by scale. The ribs of the black "
-        "collar and the inside of the ring appear, and the contrast of all the rest stays. A gamma curve strong enough "
-        "to show them bleaches the face."
+        "gradients of the logarithm are made smaller and small ones larger, scale by scale. Seat, tyre and lettering "
+        "come out of the black, and the wall behind out of the shadow, while bright places keep their detail. A gamma "
+        "curve that brightens the darks as much bleaches the rest."
     ),
-    pictures={"astronaut.png": Photograph("astronaut.png")},
+    pictures={"garage.png": Photograph("motorcycle_left.png")},
     selections={},
     naive={"plain-gamma.png": Pasted(change=Brightened(0.5))},
-    commands=(Command("tonemap astronaut.png --saturation .6 -o result.png --overwrite"),),
+    commands=(Command("tonemap garage.png -o result.png --overwrite"),),
     panels=(
-        Panel("Before", "a black collar", "astronaut.png"),
+        Panel("Before", "a flash in the dark", "garage.png"),
         Panel("Gamma curve", "0.5: brighter and paler", "plain-gamma.png"),
-        Panel("After", "poisson tonemap --saturation .6", RESULT),
-        Panel("Before, closer", "black", "astronaut.png", crop=(110, 110, 320, 320)),
-        Panel("Gamma curve, closer", "grey", "plain-gamma.png", crop=(110, 110, 320, 320)),
-        Panel("After, closer", "ribs, ring and lining", RESULT, crop=(110, 110, 320, 320)),
+        Panel("After", "poisson tonemap", RESULT),
+        Panel("Before, closer", "black", "garage.png", crop=_CLOSER),
+        Panel("Gamma curve, closer", "grey", "plain-gamma.png", crop=_CLOSER),
+        Panel("After, closer", "leather, tread and lettering", RESULT, crop=_CLOSER),
     ),
     columns=3,
 )  # fmt: skip
 
+
+_COFFEE: Final = {
+    "cat.png": Photograph("chelsea.png", size=(330, 192)),
+    "cup.png": Photograph("coffee.png", crop=(150, 10, 420, 235), size=(540, 450)),
+}
+
+_FACE: Final = {
+    "face.png": Selection(
+        on="cat.png",
+        shapes=(
+            Lasso(
+                (
+                    (80, 16), (140, 7), (205, 8), (252, 24), (278, 60), (270, 110), (240, 150), (205, 180),
+                    (160, 180), (110, 160), (70, 130), (45, 100), (40, 62), (52, 34),
+                )
+            ),
+        ),
+    )
+}  # fmt: skip
+
+_CUP: Final = (130, 165, 424, 366)
 
 _SCREEN = Scene(
     name="clone-screen",
@@ -128,23 +152,8 @@ _SCREEN = Scene(
         "over all of the inside, and the cat turns orange. With --screen the source's own colours come back away from "
         "the border; --space lab alone keeps light and dark apart better, but not the colours."
     ),
-    pictures={
-        "cat.png": Photograph("chelsea.png", size=(330, 192)),
-        "cup.png": Photograph("coffee.png", crop=(150, 10, 420, 235), size=(540, 450)),
-    },
-    selections={
-        "face.png": Selection(
-            on="cat.png",
-            shapes=(
-                Lasso(
-                    (
-                        (80, 16), (140, 7), (205, 8), (252, 24), (278, 60), (270, 110), (240, 150), (205, 180),
-                        (160, 180), (110, 160), (70, 130), (45, 100), (40, 62), (52, 34),
-                    )
-                ),
-            ),
-        )
-    },
+    pictures=_COFFEE,
+    selections=_FACE,
     naive={"plain-paste.png": Pasted(), "alpha-blend.png": Pasted(feather=8)},
     commands=(
         Command("clone cat.png cup.png -m face.png --at 118,180 -o clone.png --overwrite"),
@@ -153,14 +162,40 @@ _SCREEN = Scene(
     ),
     panels=(
         Panel("Selection", "a loose loop around the face", "cat.png", "face.png", crop=(20, 0, 300, 192)),
-        Panel("Plain copy", "a cut-out", "plain-paste.png", crop=(130, 165, 424, 366)),
-        Panel("Alpha blend", "a halo", "alpha-blend.png", crop=(130, 165, 424, 366)),
-        Panel("Cloned", "poisson clone: coffee bleeds in", "clone.png", crop=(130, 165, 424, 366)),
-        Panel("In Lab", "--space lab: darks stay dark", "lab.png", crop=(130, 165, 424, 366)),
-        Panel("After", "--screen .002: her own colours", RESULT, crop=(130, 165, 424, 366)),
+        Panel("Plain copy", "a cut-out", "plain-paste.png", crop=_CUP),
+        Panel("Alpha blend", "a halo", "alpha-blend.png", crop=_CUP),
+        Panel("Cloned", "poisson clone: coffee bleeds in", "clone.png", crop=_CUP),
+        Panel("In Lab", "--space lab: darks stay dark", "lab.png", crop=_CUP),
+        Panel("After", "--screen .002: her own colours", RESULT, crop=_CUP),
     ),
     columns=3,
-)  # fmt: skip
+)
+
+
+_RESCALE = Scene(
+    name="clone-rescale",
+    title="Black stays black",
+    figure="",
+    caption=(
+        "Coffee has much red and little blue, and so has the cat that is cloned into it: less blue than none in her "
+        "dark stripes and pupils. Cutting that off turns them brown. With --rescale nothing is cut off: colours that "
+        "cannot be had lose as much saturation as they must, at the same brightness, and contrast is reduced where "
+        "that is not enough, here to 98 %."
+    ),
+    pictures=_COFFEE,
+    selections=_FACE,
+    naive={"plain-paste.png": Pasted()},
+    commands=(
+        Command("clone cat.png cup.png -m face.png --at 118,180 -o clone.png --overwrite"),
+        Command("clone cat.png cup.png -m face.png --at 118,180 --rescale -o result.png --overwrite"),
+    ),
+    panels=(
+        Panel("Selection", "a loose loop around the face", "cat.png", "face.png", crop=(20, 0, 300, 192)),
+        Panel("Plain copy", "a cut-out", "plain-paste.png", crop=_CUP),
+        Panel("Cloned", "poisson clone: 8,677 values clipped", "clone.png", crop=_CUP),
+        Panel("After", "poisson clone --rescale", RESULT, crop=_CUP),
+    ),
+)
 
 
 _ROBUST = Scene(
@@ -202,4 +237,4 @@ _ROBUST = Scene(
 )  # fmt: skip
 
 
-SCENES: Final = (_FOCUS, _DRAWN, _TONEMAP, _SCREEN, _ROBUST)
+SCENES: Final = (_FOCUS, _DRAWN, _TONEMAP, _SCREEN, _RESCALE, _ROBUST)

@@ -55,36 +55,43 @@ _HIDE = Scene(
 )  # fmt: skip
 
 
+_SKYLINE: Final = (92, 46, 212, 136)
+
 _HEAL = Scene(
-    name="heal-badge",
-    title="The badge comes off",
+    name="heal-skyline",
+    title="A tower leaves the skyline",
     figure="Figure 2",
     caption=(
         "Concealment without having to say where to copy from. The tool compares what lies around the selection with "
-        "every other place of the picture, takes the one that fits best, and says which it took: here the "
-        "shoulder, 74 pixels to the left and 84 above. Cloning from there fits light and colour."
+        "every other place of the picture, takes the one that fits best, and says which it took: here 59 pixels to the "
+        "right and 10 up, where sky meets roofs and trees just as it does around the tower. Cloned from there, the sky "
+        "has the right brightness, and a lower house stands where the tower was."
     ),
-    pictures={"suit.png": Photograph("astronaut.png", crop=(40, 220, 400, 490))},
+    pictures={"park.png": Photograph("camera.png", crop=(272, 60, 512, 240))},
     selections={
-        "badge.png": Selection(
-            on="suit.png",
+        "tower.png": Selection(
+            on="park.png",
             shapes=(
                 Lasso(
                     (
-                        (86, 165), (98, 128), (130, 114), (166, 126), (184, 162), (176, 200), (138, 220), (98, 208),
+                        (120, 54), (132, 45), (146, 42), (164, 46), (172, 62), (172, 100), (171, 124), (152, 132),
+                        (130, 131), (121, 122), (119, 90),
                     )
                 ),
             ),
         )
     },
-    naive={"plain-paste.png": Pasted(at=(74, 84))},
-    commands=(Command("heal suit.png -m badge.png -o result.png --overwrite"),),
+    naive={"plain-paste.png": Pasted(at=(-59, 10))},
+    commands=(Command("heal park.png -m tower.png -o result.png --overwrite"),),
     panels=(
-        Panel("Before", "a mission badge", "suit.png"),
-        Panel("Selection", "a loose loop around the badge", "suit.png", "badge.png"),
-        Panel("Plain copy", "from the best place, and yet", "plain-paste.png"),
+        Panel("Before", "a tower", "park.png"),
+        Panel("Selection", "a loose loop around it", "park.png", "tower.png"),
         Panel("After", "poisson heal", RESULT),
+        Panel("Before, closer", "sky, roofs and trees around it", "park.png", crop=_SKYLINE),
+        Panel("Plain copy, closer", "a patch of another grey", "plain-paste.png", crop=_SKYLINE),
+        Panel("After, closer", "a lower house", RESULT, crop=_SKYLINE),
     ),
+    columns=3,
 )  # fmt: skip
 
 

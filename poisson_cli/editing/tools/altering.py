@@ -1,6 +1,6 @@
 """Section 4: a picture edited in place."""
 
-from dataclasses import replace
+from time import perf_counter
 from typing import Any, Unpack
 
 import numpy as np
@@ -50,13 +50,17 @@ def flatten(
     """
     scene = _scene(image, mask)
     size = scene.destination.shape[:2]
+    finding = {}
     if edges is None:
+        start = perf_counter()
         edges = find_edges(scene.destination, low=low, high=high, sigma=sigma)
+        finding = {"edges": perf_counter() - start}
     edges = check_edges(edges, size, "image")
     edit = _in_place("flatten", scene, Sieve(edges), rescale=rescale, space=space, **options)
     placement = scene.placement
     share = placement.on_destination(edges)[placement.region].mean()
-    return Edit(edit.image, replace(edit.report, edge_share=float(share)))
+    seconds = {**finding, **edit.report.seconds}
+    return Edit(edit.image, edit.report._replace(edge_share=float(share), seconds=seconds))
 
 
 def relight(
@@ -89,9 +93,9 @@ def relight(
     mask : (H, W) array
         True or non-zero = edit.
     alpha : float
-        Positive: gradients above a become smaller, those below it larger.
+        Positive, at most 1000: gradients above a become smaller, those below it larger.
     beta : float
-        At most 1; 0 changes nothing, a negative one makes large gradients larger.
+        From -1 to 1; 0 changes nothing, a negative one makes large gradients larger.
     per_channel : bool
         The log of each channel by itself takes the place of L, with a norm and an a of its own.  Not in Lab.
     rescale, space, **options
@@ -128,11 +132,11 @@ def recolor(
     mask : (H, W) array
         True or non-zero = edit.
     gain : (red, green, blue)
-        Not negative.
+        From 0 to 1000.
     hue : float
         Degrees.
     saturation : float
-        Not negative; 0 is grey.
+        From 0 to 1000; 0 is grey.
     decolor_background : bool
         f* is the picture's luminance, in all three channels and as the picture's dtype stores it (rounded half to
         even): that is what the output shows outside the selection.  The colour that the boundary loses is missing
@@ -177,7 +181,7 @@ def focus(
     mask : (H, W) array
         True or non-zero = edit.
     amount : float
-        Not negative.  Above 1 sharper, below 1 softer, 0 the membrane.
+        From 0 to 1000.  Above 1 sharper, below 1 softer, 0 the membrane.
     rescale, space, **options
         See `clone`.
     """

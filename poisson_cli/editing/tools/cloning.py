@@ -1,7 +1,9 @@
 """Section 3: gradients imported from a source, and the membrane that needs none."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
-from typing import Any, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 from numpy.typing import NDArray
 
@@ -13,8 +15,10 @@ from poisson_cli.editing.report import Edit
 from poisson_cli.editing.scene import Scene
 from poisson_cli.editing.solving import SolverOptions
 from poisson_cli.editing.spaces import SpaceName, named
-from poisson_cli.editing.transforms import Transform
 from poisson_cli.errors import InputError
+
+if TYPE_CHECKING:
+    from poisson_cli.editing.transforms import Transform
 
 
 def clone(
@@ -58,10 +62,12 @@ def clone(
         Boundary pixels whose mismatch f* - g is an outlier count less, so that an object which the selection touches
         does not bleed into it.
     rescale : bool
-        If the result would leave the range of the picture, multiply the guidance by the largest number below 1 with
-        which it does not; nothing is clipped then.
+        Fit the result into the range of the picture, so that nothing is clipped: colours that would leave it lose just
+        enough saturation, at equal luminance, and where the luminance would, the guidance is multiplied by the largest
+        number below 1 with which it does not.
     space : {"rgb", "linear", "lab"}
-        Solve in the values as stored (the paper's choice), in linear light (sRGB decoded), or in CIE-Lab (D65).
+        Solve in the values as stored (the paper's choice), in linear light (sRGB decoded), or in CIE-Lab (D65).  Floats
+        that are linear light already are for "rgb".
     **options
         See `SolverOptions`.
 

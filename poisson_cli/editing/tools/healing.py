@@ -1,7 +1,7 @@
 """Concealment (Fig. 2): a picture mended with a piece of itself."""
 
 import operator
-from dataclasses import replace
+from time import perf_counter
 from typing import Any, Unpack
 
 from numpy.typing import NDArray
@@ -54,10 +54,13 @@ def heal(
     """
     image = tone.check_picture("image", image)
     here = place(image.shape, image.shape, mask)
+    searching = {}
     if offset is not None:
         row, col = _checked(offset, here.rectangle, image.shape)
     else:
+        start = perf_counter()
         row, col = best_offset(image, here, reach)
+        searching = {"search": perf_counter() - start}
     placement = place(image.shape, image.shape, mask, offset=(-row, -col), mask_on="destination")
     edit = compose(
         "heal",
@@ -69,7 +72,8 @@ def heal(
         rescale=rescale,
         **options,
     )
-    return Edit(edit.image, replace(edit.report, offset=(row, col)))
+    seconds = {**searching, **edit.report.seconds}
+    return Edit(edit.image, edit.report._replace(offset=(row, col), seconds=seconds))
 
 
 def _checked(

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from poisson_cli.editing import tone
+from poisson_cli.editing.numbers import LARGEST_FACTOR, check_number
 from poisson_cli.editing.pyramid import attenuation_map
 from poisson_cli.editing.report import Edit, report_on
 from poisson_cli.editing.solving import SolverOptions, solve
@@ -14,6 +15,10 @@ from poisson_cli.editing.spaces import Space, SpaceName, named
 from poisson_cli.errors import InputError
 from solvers import Guidance, PoissonProblem
 from solvers.canvas import Values
+
+# Far beyond what can be looked at; the ratios of colours, which are up to 14, may be raised to one over the other.
+LARGEST_SATURATION = 10.0
+GAMMAS = 0.5, 10.0
 
 
 def tonemap(
@@ -45,8 +50,8 @@ def tonemap(
     All gradients shrink, so that the new luminance exp(f) is stretched: its percentile `white` becomes full scale, and
     its percentile `black` that share of it which Y's was of Y's own percentile `white`: blacks stay as black as they
     were.  What leaves the range is cut off, and the rest raised to 1 / gamma.  With e' = `floor` times full scale,
-    colours are new = (newY + e') ((old + e) / (Y + e))^saturation - e', channel by channel; in Lab a* and b* are
-    multiplied by saturation (newL* + e') / (L* + e).  The result is clipped to the range, for floats too.  Without
+    colours are new = (newY + e') ((old + e) / (Y + e))^(saturation / gamma) - e', channel by channel; in Lab a* and b*
+    are multiplied by saturation (newL* + e') / (L* + e).  The result is clipped to the range, for floats too.  Without
     attenuation (beta 0, saturation 1) only the exposure changes.
 
     Parameters
@@ -54,30 +59,30 @@ def tonemap(
     image : (H, W) or (H, W, C) array
         C is 1 or 3.
     alpha : float
-        Positive: what part of the mean norm of a gradient is left as it is.
+        Positive, at most 1000: what part of the mean norm of a gradient is left as it is.
     beta : float
         From 0 to 1; how strongly.  0 leaves all gradients as they are, .2 looks unreal.  Fattal et al. write 1 - beta.
     saturation : float
-        Not negative; 1 keeps the ratios of colours, which look too strong where much range was taken away: above .6
+        From 0 to 10; 1 keeps the ratios of colours, which look too strong where much range was taken away: above .6
         what is red or blue begins to glow.
     black, white : float
         From 0 to 100, the first the smaller one.
     floor : float
-        Above 0.  .01 suits photographs; less for floats of a large range.
+        Above 0, at most 1000.  .01 suits photographs; less for floats of a large range.
     gamma : float
-        Positive; 2.2 for pictures that store linear light and are to be looked at.
+        From .5 to 10; 2.2 for pictures that store linear light and are to be looked at, with ``space="rgb"``.
     space, **options
         See `clone`.
     """
-    _check(
-        alpha=alpha,
-        beta=beta,
-        saturation=saturation,
-        black=black,
-        white=white,
-        floor=floor,
-        gamma=gamma,
-    )
+    check_number("alpha", alpha, 0, LARGEST_FACTOR, above_low=True)
+    check_number("beta", beta, 0, 1)
+    check_number("saturation", saturation, 0, LARGEST_SATURATION)
+    check_number("black", black, 0, 100)
+    check_number("white", white, 0, 100, above_low=True)
+    check_number("floor", floor, 0, LARGEST_FACTOR, above_low=True)
+    check_number("gamma", gamma, *GAMMAS)
+    if black >= white:
+        raise InputError(f"black is {black} and white {white}, but black must be less")
     start = perf_counter()
     image = tone.check_picture("image", image)
     tone.check_values("image", image)
@@ -101,7 +106,7 @@ def tonemap(
     new = np.exp(logs + result.solution)[:, :, np.newaxis]
     blackest = min(1.0, float(np.percentile(brightness, black)) * exposure / full)
     new = full * _stretched(new, black, white, blackest) ** new.dtype.type(1 / gamma)
-    values = domain.to_stored(_colored(working, haze, old, new, floor * full, saturation, domain))
+    values = domain.to_stored(_colored(working, haze, old, new, floor * full, saturation, gamma, domain))
     clipped = tone.count_clipped(values, image.dtype)
     overshoot = tone.excess(values, image.dtype) / tone.level(image.dtype)
     np.clip(values, 0, domain.full, out=values)
@@ -122,29 +127,6 @@ def tonemap(
         seconds=seconds,
     )
     return Edit(tone.to_storage(values, image.dtype).reshape(image.shape), report)
-
-
-def _check(**parameters: float) -> None:
-    """InputError if a parameter makes no sense."""
-    bounds = {
-        "alpha": (0.0, np.inf, False),
-        "beta": (0.0, 1.0, True),
-        "saturation": (0.0, np.inf, True),
-        "black": (0.0, 100.0, True),
-        "white": (0.0, 100.0, False),
-        "floor": (0.0, np.inf, False),
-        "gamma": (0.0, np.inf, False),
-    }
-    for name, value in parameters.items():
-        low, high, included = bounds[name]
-        if not (np.isfinite(value) and (low < value or (included and value == low)) and value <= high):
-            lower = "from 0" if included else "above 0"
-            upper = f" to {high:g}" if np.isfinite(high) else ""
-            raise InputError(f"{name} is {value}, but must be a number {lower}{upper}")
-    if parameters["black"] >= parameters["white"]:
-        raise InputError(
-            f"black is {parameters['black']} and white {parameters['white']}, but black must be less"
-        )
 
 
 def _problem(logs: Values, factors: Values, space: Space) -> PoissonProblem:
@@ -177,6 +159,7 @@ def _colored(
     new: Values,
     new_haze: float,
     saturation: float,
+    gamma: float,
     space: Space,
 ) -> Values:
     """Working values of the new luminance, with the colours of the old ones."""
@@ -188,7 +171,7 @@ def _colored(
         colored[:, :, :1] = new
         return colored
     ratio = (working + haze) / old
-    weights: Values = np.copysign(np.abs(ratio) ** kind(saturation), ratio)
+    weights: Values = np.copysign(np.abs(ratio) ** kind(saturation / gamma), ratio)
     weights *= new + kind(new_haze)
     weights -= kind(new_haze)
     return weights

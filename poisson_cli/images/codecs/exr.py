@@ -52,6 +52,10 @@ def decode(data: bytes, name: str, form: Format, *, indices: bool = False) -> De
     if "damaged" in said:
         raise ValueError(said["damaged"])
     asked().refuse_large(name, said["width"], said["height"])
+    if said["in_part"]:
+        asked().notices.append(
+            f"{name} is part of a larger picture, or a larger one than is shown: the output says no longer which"
+        )
     planes = np.frombuffer(body, np.float32).reshape(-1, said["height"], said["width"])
     alpha = said["channels"][-1] == "A"
     if alpha and (planes[-1] != 1).any():

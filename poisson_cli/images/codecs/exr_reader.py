@@ -3,7 +3,8 @@
 The library ends the process for some damaged headers, and writes to stdout and stderr what it thinks of others. Run by
 its path, without the rest of this package: ``exr_reader.py LARGEST``, where LARGEST is the greatest number of pixels.
 Answers with a line of JSON, in which ``refused`` or ``damaged`` says why there is no picture, or ``width``, ``height``
-and ``channels`` what follows: the channels one after the other, float32 in the order of this machine.
+and ``channels`` what follows: the channels one after the other, float32 in the order of this machine. ``in_part`` tells
+whether these pixels are others than those that the picture is said to have.
 """
 
 from __future__ import annotations
@@ -29,7 +30,8 @@ def answer(data: bytes, largest: int) -> tuple[dict[str, Any], list[bytes]]:
     header = file.header()
     window, channels = header["dataWindow"], header["channels"]
     width, height = window.max.x - window.min.x + 1, window.max.y - window.min.y + 1
-    said = {"width": width, "height": height}
+    corners = [(w.min.x, w.min.y, w.max.x, w.max.y) for w in (window, header["displayWindow"])]
+    said = {"width": width, "height": height, "in_part": corners[0] != corners[1]}
     if width < 1 or height < 1 or width * height > largest:
         return said, []
     if not str(header.get("type", "scanlineimage")).strip("b'").startswith(("scanline", "tiled")):

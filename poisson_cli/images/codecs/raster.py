@@ -1,37 +1,36 @@
-"""JPEG, BMP, WebP and GIF.
+"""BMP, WebP and GIF, through imageio, which finds and sets up the decoder itself.
 
-JPEG, which nearly every run reads or writes, is handed to the one plugin of Pillow that it needs, as PNG is (`png`).
-The others go through imageio, which finds and sets up the decoder itself. It could do the same for JPEG, with the same
-pixels; but importing it, and all the plugins of Pillow that it sets up for an encoder, takes about 50 ms, several times
-as long as the solve of a clone of usual size.
+It could do the same for JPEG (`jpeg`) and PNG (`png`), which nearly every run reads or writes, with the same pixels;
+but importing it, and all the plugins of Pillow that it sets up for an encoder, takes about 50 ms, several times as long
+as the solve of a clone of usual size.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+import struct
 from typing import Any, Final, cast
 
 import numpy as np
-from PIL import Image
+from PIL import Image, ImageFile
 
-from poisson_cli.images import exif
+from poisson_cli.errors import InputError
 from poisson_cli.images.codecs import pillow
 from poisson_cli.images.decoded import Decoded
 from poisson_cli.images.demands import asked
-from poisson_cli.images.formats import BMP, GIF, JPEG, WEBP, Format
+from poisson_cli.images.formats import BMP, GIF, WEBP, Format
 from poisson_cli.images.header import refuse_hollow
 from poisson_cli.images.picture import Picture
 
-__all__ = ["decode", "encode", "encode_with_pillow", "page_of", "settings_of"]
-
+__all__ = ["decode", "encode", "page_of", "settings_of"]
 
 _PIXELS_PER_BYTE: Final = {
-    JPEG: 512,  # a block of 64 pixels takes a bit at least; past its end, a file would be read on as grey
     GIF: 2600,  # twelve bits stand for fewer than 4096 pixels
     BMP: 8,  # where it is not compressed
 }
 """How many pixels a byte can hold at most."""
+
+_LARGE: Final = 1 << 24  # pixels
+_FIRST_CHUNKS: Final = 1 << 24  # bytes, in which the first frame begins
 
 
 def decode(data: bytes, name: str, form: Format, *, indices: bool = False) -> Decoded:
@@ -41,40 +40,50 @@ def decode(data: bytes, name: str, form: Format, *, indices: bool = False) -> De
         if form in _PIXELS_PER_BYTE and not (form is BMP and image.info.get("compression")):
             refuse_hollow(name, image.width * image.height, len(data), _PIXELS_PER_BYTE[form])
         page = page_of(image, name)
+        _refuse_empty(image, name, _drawn(image, data, form))
         if page:
             image.seek(page)
         mode = pillow.decode_mode(image, name, form, indices=indices)
-        if form is JPEG:
-            return pillow.eight_bits(image, mode)
         palette = image.mode == "P"
         metadata, orientation = pillow.metadata_of(image), pillow.orientation_of(image)
 
     import imageio.v3 as iio
 
-    with _no_limit(), iio.imopen(data, "r", plugin="pillow") as file:
+    with pillow.unlimited(), iio.imopen(data, "r", plugin="pillow") as file:
         pixels = np.asarray(cast("Any", file).read(index=page, mode=mode), dtype=np.uint8)
     return Decoded(pixels, mode in ("LA", "RGBA"), orientation, palette, metadata)
 
 
+def _drawn(image: ImageFile.ImageFile, data: bytes, form: Format) -> tuple[int, int]:
+    """Width and height of what the first frame of an animation draws; those of the whole if there is no knowing."""
+    if form is GIF and image.tile and image.tile[0].extents is not None:
+        _, _, right, bottom = image.tile[0].extents
+        return right, bottom
+    if form is WEBP and data[12:16] == b"VP8X":
+        place = 12
+        while place + 24 <= len(data) and place < _FIRST_CHUNKS:
+            name, length = struct.unpack_from("<4sI", data, place)
+            if name == b"ANMF":
+                width, height = (
+                    int.from_bytes(data[place + at : place + at + 3], "little") + 1 for at in (14, 17)
+                )
+                return width, height
+            place += 8 + length + length % 2
+    return image.size
+
+
+def _refuse_empty(image: ImageFile.ImageFile, name: str, drawn: tuple[int, int]) -> None:
+    """Refuse a picture that claims to be large and then draws next to nothing."""
+    width, height = drawn
+    if image.width * image.height > max(_LARGE, 16 * width * height):
+        raise InputError(
+            f"{name}: damaged, its header claims {image.width}x{image.height} pixels, and it draws {width}x{height}"
+        )
+
+
 def page_of(image: Image.Image, name: str) -> int:
-    """Which frame of an animation to read, from 0.
-
-    The further pictures of a multi-picture JPEG are previews, gain maps and the like of the first one, so it counts
-    as one picture, as it does in every viewer.
-    """
-    count = getattr(image, "n_frames", 1)
-    return 0 if image.format in ("MPO", "JPEG") else asked().choose(name, count, "frames")
-
-
-@contextmanager
-def _no_limit() -> Iterator[None]:
-    """Pillow's own limit on the size of a picture out of force: ours was."""
-    usual = Image.MAX_IMAGE_PIXELS
-    Image.MAX_IMAGE_PIXELS = None
-    try:
-        yield
-    finally:
-        Image.MAX_IMAGE_PIXELS = usual
+    """Which frame of an animation to read, from 0."""
+    return asked().choose(name, getattr(image, "n_frames", 1), "frames")
 
 
 def encode(picture: Picture, form: Format, quality: int | None) -> bytes:
@@ -84,15 +93,13 @@ def encode(picture: Picture, form: Format, quality: int | None) -> bytes:
         settings["quality"] = quality
         if form is WEBP:
             settings |= {"lossless": False, "method": 4}
-    if form is JPEG:
-        return encode_with_pillow(picture, form, settings)
-
     import imageio.v3 as iio
 
     pixels = pillow.interleaved(picture.pixels, picture.alpha)
-    data: bytes = iio.imwrite(
-        "<bytes>", pixels, plugin="pillow", extension=form.extensions[0], is_batch=False, **settings
-    )
+    with pillow.encoding():
+        data: bytes = iio.imwrite(
+            "<bytes>", pixels, plugin="pillow", extension=form.extensions[0], is_batch=False, **settings
+        )
     return data
 
 
@@ -103,17 +110,9 @@ def settings_of(picture: Picture, form: Format) -> dict[str, Any]:
     if metadata.profile is not None:
         settings["icc_profile"] = metadata.profile
     if metadata.exif is not None:
-        settings["exif"] = exif.MARK + metadata.exif if form is JPEG else metadata.exif
+        settings["exif"] = metadata.exif
     if metadata.xmp is not None:
         settings["xmp"] = metadata.xmp
     if metadata.dpi is not None:
         settings["dpi"] = metadata.dpi
     return settings
-
-
-def encode_with_pillow(picture: Picture, form: Format, settings: Mapping[str, Any]) -> bytes:
-    """Encode a picture of eight bits with the one plugin of Pillow that it needs."""
-    file = pillow.NamedBuffer()
-    file.name = f"picture{form.extensions[0]}"
-    Image.fromarray(pillow.interleaved(picture.pixels, picture.alpha)).save(file, **settings)
-    return file.getvalue()

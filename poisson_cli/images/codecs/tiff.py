@@ -3,7 +3,8 @@
 Pillow brings libtiff, which unpacks all that is in use (LZW, Deflate, ZSTD, PackBits, JPEG), so compressed files need
 no further package. But Pillow has layouts for one channel of 16 bits or of floats only, and cuts 16-bit colours to 8.
 So a deep page is taken apart into sheets of one channel (`tiff_sheets`), which it reads without loss. Pages of up to
-eight bits are Pillow's as they are: palettes, bits, inverted greys and colour differences are known to it.
+eight bits are Pillow's as they are, but for grey with alpha: palettes, bits, inverted greys and colour differences are
+known to it.
 
 Pages are written here, deflated, whatever their depth: a writer may choose the one layout it knows.
 """
@@ -17,13 +18,15 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from poisson_cli.errors import OutputError
+from poisson_cli.errors import InputError, OutputError
 from poisson_cli.images.codecs import pillow, tiff_page, tiff_sheets
+from poisson_cli.images.codecs.jpeg_scans import size_of
 from poisson_cli.images.codecs.quiet import quiet
-from poisson_cli.images.codecs.tiff_page import carried, pages_of
+from poisson_cli.images.codecs.tiff_page import Page, carried, pages_of
 from poisson_cli.images.codecs.tiff_tags import Directory, Entry, written
 from poisson_cli.images.decoded import Decoded
 from poisson_cli.images.demands import asked
+from poisson_cli.images.depth import depth_of, full_scale
 from poisson_cli.images.formats import Format
 from poisson_cli.images.header import DEFLATE_RATIO, refuse_hollow
 from poisson_cli.images.picture import Picture
@@ -33,13 +36,16 @@ __all__ = ["decode", "encode"]
 _RATIOS: Final = {1: 1, 5: 4096, 8: DEFLATE_RATIO, 32946: DEFLATE_RATIO, 32773: 64}
 """Bytes that one byte can become at most, by compression; others know no bound worth asking for."""
 
+_PREMULTIPLIED: Final = (
+    "a TIFF with premultiplied alpha, transparent in places; save it with straight (unassociated) alpha first"
+)
 _STRIP: Final = 1 << 18  # bytes, before they are packed
 _LARGEST: Final = 2**32 - 1
 
 
 def decode(data: bytes, name: str, form: Format, *, indices: bool = False) -> Decoded:
     """Decode a TIFF; see `poisson_cli.images.codecs`."""
-    pages = pages_of(data)
+    pages = pages_of(data, name)
     page = pages[asked().choose(name, len(pages), "pages")]
     asked().refuse_large(name, page.width, page.height)
     page.refuse_loss(name)
@@ -47,24 +53,56 @@ def decode(data: bytes, name: str, form: Format, *, indices: bool = False) -> De
     ratio = _RATIOS.get(page.number(tiff_page.COMPRESSION, 1))
     if ratio is not None:
         refuse_hollow(name, size, len(data), ratio)
+    _refuse_small_strips(data, page, name)
     with quiet():
-        if page.deep:
-            pixels = tiff_sheets.decode(data, page)
-            if page.number(tiff_page.PHOTOMETRIC, 1) == 0:
-                pixels = pixels.copy()
-                colours = pixels[..., 0] if page.alpha else pixels
-                np.subtract(65535, colours, out=colours)
-            orientation = page.number(tiff_page.ORIENTATION, 1)
-            return Decoded(pixels, page.alpha, orientation, False, page.metadata())
-        plain = page.layout.big
-        with pillow.opened(tiff_sheets.plain(data, page) if plain else data, form) as image:
-            if page.index and not plain:
-                image.seek(page.index)
-            mode = pillow.decode_mode(image, name, form, indices=indices)
-            palette = image.mode in ("P", "PA")
-            pixels = np.asarray(image if image.mode == mode else image.convert(mode), dtype=np.uint8)
-            # Pillow has turned the picture by now, and dropped the tag.
-            return Decoded(pixels, mode in ("LA", "RGBA"), 1, palette, page.metadata())
+        decoded = (
+            _of_sheets(data, page) if page.in_sheets else _of_pillow(data, name, form, page, indices=indices)
+        )
+    if page.premultiplied and decoded.pixels[..., -1].min() < full_scale(depth_of(decoded.pixels)):
+        raise InputError(f"{name}: {_PREMULTIPLIED}")
+    return decoded
+
+
+def _refuse_small_strips(data: bytes, page: Page, name: str) -> None:
+    """Refuse a page in JPEGs that are smaller than its strips or tiles: libtiff leaves the rest black."""
+    if page.number(tiff_page.COMPRESSION, 1) != tiff_page.JPEG or page.number(tiff_page.PLANES, 1) != 1:
+        return
+    tiles = tiff_page.TILE_STARTS in page.tags
+    starts = page.numbers(tiff_page.TILE_STARTS if tiles else tiff_page.STRIP_STARTS, ())
+    rows = min(page.number(tiff_page.ROWS_PER_STRIP, page.height), page.height)
+    for number, start in enumerate(starts):
+        wanted = min(rows, page.height - number * rows), page.width
+        if tiles:
+            wanted = page.number(tiff_page.TILE_HEIGHT, 0), page.number(tiff_page.TILE_WIDTH, 0)
+        there = size_of(data, start)
+        if there is not None and (there[0] < wanted[0] or there[1] < wanted[1]):
+            raise InputError(
+                f"{name}: damaged, part {number + 1} of it should have {wanted[1]}x{wanted[0]} pixels, "
+                f"and it has {there[1]}x{there[0]}"
+            )
+
+
+def _of_sheets(data: bytes, page: Page) -> Decoded:
+    """Decode a page that Pillow has no layout for."""
+    pixels = tiff_sheets.decode(data, page)
+    if page.number(tiff_page.PHOTOMETRIC, 1) == 0:
+        pixels = pixels.copy()
+        colours = pixels[..., 0] if page.alpha else pixels
+        np.subtract(np.iinfo(pixels.dtype).max, colours, out=colours)
+    return Decoded(pixels, page.alpha, page.number(tiff_page.ORIENTATION, 1), False, page.metadata())
+
+
+def _of_pillow(data: bytes, name: str, form: Format, page: Page, *, indices: bool) -> Decoded:
+    """Decode a page of up to eight bits."""
+    plain = page.layout.big
+    with pillow.opened(tiff_sheets.plain(data, page) if plain else data, form) as image:
+        if page.index and not plain:
+            image.seek(page.index)
+        mode = pillow.decode_mode(image, name, form, indices=indices)
+        palette = image.mode in ("P", "PA")
+        pixels = pillow.pixels_of(image, mode)
+        # Pillow has turned the picture by now, and dropped the tag.
+        return Decoded(pixels, mode in ("LA", "RGBA"), 1, palette, page.metadata())
 
 
 def encode(picture: Picture, form: Format, quality: int | None) -> bytes:

@@ -1,4 +1,4 @@
-"""Deep pages of TIFF files, taken apart into sheets of one channel that Pillow reads without loss.
+"""Pages of TIFF files for which Pillow has no layout, taken apart into sheets of one channel, for which it has one.
 
 A page of C numbers per pixel, one pixel after the other, has the same bytes as a page of one number per pixel that is
 C times as wide. So a second directory is put behind the file that says just that, and Pillow, with libtiff, unpacks
@@ -22,6 +22,11 @@ __all__ = ["decode", "plain"]
 
 _SHORT: Final = 3
 _LONG: Final = 4
+_MODES: Final[dict[int, tuple[str, Any]]] = {
+    8: ("L", np.uint8),
+    16: ("I;16", np.uint16),
+    32: ("F", np.float32),
+}
 _EIGHT_BYTES: Final = (16, 17, 18)
 _COPIED: Final = (
     tiff_page.HEIGHT, tiff_page.COMPRESSION, tiff_page.ROWS_PER_STRIP, tiff_page.STRIP_STARTS, tiff_page.STRIP_SIZES,
@@ -32,7 +37,7 @@ _PREDICTED: Final = frozenset({5, 8, 32946, 34925, 50000})
 
 
 def decode(data: bytes, page: Page) -> NDArray[Any]:
-    """Decode a page of 16-bit integers or 32-bit floats.
+    """Decode a page of 8-bit or 16-bit integers, or of 32-bit floats.
 
     Parameters
     ----------
@@ -44,7 +49,7 @@ def decode(data: bytes, page: Page) -> NDArray[Any]:
     Returns
     -------
     ndarray
-        (H, W) or (H, W, C) uint16 or float32, as stored.
+        (H, W) or (H, W, C) uint8, uint16 or float32, as stored.
     """
     samples = page.samples
     predictor = page.number(tiff_page.PREDICTOR, 1)
@@ -103,7 +108,7 @@ def _sheet(
         tags[tag] = Entry.of_numbers(_LONG if number > 65535 else _SHORT, order, number)
 
     with pillow.opened(with_directory(data, tags, order), TIFF) as image:
-        wanted = "F" if page.bits == 32 else "I;16"
+        wanted, dtype = _MODES[page.bits]
         if not image.mode.startswith(wanted) or image.size != (width * samples, page.height):
             raise ValueError(f"a layout that cannot be read: {image.mode}")
         if page.bits == 32:
@@ -115,7 +120,7 @@ def _sheet(
                 for tile in image.tile
             ]
         pixels = np.asarray(image)
-    return pixels.astype(np.float32 if page.bits == 32 else np.uint16, copy=False)
+    return pixels.astype(dtype, copy=False)
 
 
 def with_directory(data: bytes, tags: Directory, order: str) -> bytes:

@@ -156,7 +156,7 @@ def read(data: bytes, layout: Layout, at: int, depth: int = 0) -> tuple[Director
                 directory[tag], _ = read(data, layout, entry.numbers(order)[0], depth + 1)
             except (ValueError, struct.error):
                 continue
-    (following,) = struct.unpack_from(f"{order}{place_form}", data.ljust(place + 8, b"\0"), place)
+    (following,) = struct.unpack_from(f"{order}{place_form}", data[place : place + 8].ljust(8, b"\0"))
     return directory, following
 
 
