@@ -45,6 +45,7 @@ class Correction:
     b: Float32
     exact: bool = True
     direct: DirectSolution | None = None
+    _first: bool = field(default=True, init=False, repr=False)
     _pieces: list[NDArray[np.int64]] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -101,12 +102,17 @@ class Correction:
     def next_stage(self) -> None:
         """total <- total + x, b <- b - A x, x <- 0."""
         where = self.hierarchy.table, self.problem.channels
-        self.team.run(kernels.fold, [(self.total, self.x, piece, *where) for piece in self._pieces])
-        if self.exact:
+        if self.exact and self._first:  # total is zero
             self._residual(keep=False)
+            self.team.run(kernels.move, [(self.total, self.x, piece, *where) for piece in self._pieces])
         else:
-            self.assemble(corrected=True)
-        self.team.run(kernels.clear, [(self.x, piece, *where) for piece in self._pieces])
+            self.team.run(kernels.fold, [(self.total, self.x, piece, *where) for piece in self._pieces])
+            if self.exact:
+                self._residual(keep=False)
+            else:
+                self.assemble(corrected=True)
+            self.team.run(kernels.clear, [(self.x, piece, *where) for piece in self._pieces])
+        self._first = False
 
     def least_error(self) -> float:
         """A lower bound of the largest error, from the true residual, in float64."""
@@ -116,9 +122,8 @@ class Correction:
         h = self.hierarchy
 
         def subtract(piece: NDArray[np.int64]) -> int:
-            scratch64 = np.empty(h.longest_segment)
             where = h.weight, h.diagonal, piece, h.table, self.problem.channels
-            return int(kernels.subtract_image(self.b, scratch64, self.x, *where, keep))
+            return int(kernels.subtract_image(self.b, self.x, *where, keep))
 
         bits = max(self.team.run(subtract, [(piece,) for piece in self._pieces]))
         return float(np.int64(bits).view(np.float64))
@@ -134,8 +139,8 @@ class Correction:
 
         def add(guess: Values, top: int) -> None:
             runs = _runs_of(h.finest_runs, top, top + len(guess))
-            line64 = np.empty(guess.shape[1] * guess.shape[2])
-            kernels.add_solution(guess, line64, self.total, self.x, top, runs, h.table)
+            line = np.empty((guess.shape[1] + 1) * guess.shape[2], guess.dtype)
+            kernels.add_solution(guess, line, self.total, self.x, top, runs, h.table)
             if self.direct is not None:
                 self.direct.add_to(guess, top)
             if drift is not None:

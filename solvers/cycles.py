@@ -2,25 +2,28 @@
 
 A step names what to do and on which level:
 
-    DOWN l        smooth level l, hand the residual's right-hand side to level l + 1, whose unknowns become zero
+    DOWN l        smooth level l, hand the residual's right-hand side to level l + 1
     UP l          add the interpolated solution of level l + 1, smooth level l
+    TURN l        UP l, and DOWN l behind it
     COARSEST l    solve the coarsest level l exactly
 
-"Smooth" is one red-black Gauss-Seidel sweep.  The recursion is unrolled here, in Python, once per solve; a compiled
-kernel runs the list.
+"Smooth" is one red-black Gauss-Seidel sweep, whose black half is over-relaxed on the way up.  A TURN is the end of one
+cycle and the beginning of the next, or the same inside an F- or W-cycle: what would be two passes through memory is
+one.  The recursion is unrolled here, in Python; a compiled kernel runs the list.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solvers.hierarchy import Hierarchy
-from solvers.kernels.cycle import COARSEST, DOWN, UP, run_steps
+from solvers.kernels import cycle as kernels
 from solvers.layout import FIRST_SEGMENT, LANES, STRIDE, Float32, aligned_zeros
-from solvers.team import LONG_CALL, WORTH_SHARING, Band, Team
+from solvers.team import WORTH_SHARING, Band, Team
 
 Cycle = Literal["V", "F", "W"]
 CYCLES: tuple[Cycle, ...] = get_args(Cycle)
@@ -32,16 +35,38 @@ VISITS: dict[Cycle, tuple[Cycle, ...]] = {"V": ("V",), "F": ("F", "V"), "W": ("W
 STRONGER: dict[Cycle, Cycle] = {"V": "F", "F": "W"}
 
 
-def walk(cycle: Cycle, level: int, coarsest: int) -> Iterator[tuple[int, int]]:
-    """The steps of one cycle that begins on `level`."""
+DOWN, UP, TURN, EXACT = "down", "up", "turn", "exact"
+
+# The operations of a sweep that each kind of visit to a level consists of, see `kernels.cycle.sweep`.
+N_OPERATIONS = 6
+OPERATIONS = {UP: range(3), DOWN: range(3, 6), TURN: range(6), EXACT: range(0)}
+
+Visit = tuple[str, int, int]  # what to do, on which level, in which cycle
+
+
+def walk(cycle: Cycle, level: int, coarsest: int, number: int = 0) -> Iterator[Visit]:
+    """The steps of cycle `number`, beginning on `level`."""
     if level == coarsest:
-        yield COARSEST, level
+        yield EXACT, level, number
         return
-    yield DOWN, level
+    yield DOWN, level, number
     # An exactly solved level is visited once: a second visit would change nothing.
     for visit in VISITS[cycle] if level + 1 < coarsest else ("V",):
-        yield from walk(visit, level + 1, coarsest)
-    yield UP, level
+        yield from walk(visit, level + 1, coarsest, number)
+    yield UP, level, number
+
+
+def journey(cycle: Cycle, coarsest: int, cycles: int) -> list[Visit]:
+    """The steps of several cycles in a row, with turns."""
+    visits: list[Visit] = []
+    for number in range(cycles):
+        for visit in walk(cycle, 0, coarsest, number):
+            last = visits[-1] if visits else None
+            if last is not None and (last[:2], visit[0]) == ((UP, visit[1]), DOWN):
+                visits[-1] = TURN, *last[1:]
+            else:
+                visits.append(visit)
+    return visits
 
 
 class Cycling:
@@ -58,118 +83,155 @@ class Cycling:
         self.channels = channels
         self.team = team
         self.names = [cycle]
-        # A segment and a row of coarse cells with one more on each side.
-        room = hierarchy.longest_segment + int(hierarchy.table[0, STRIDE]) + 2 * LANES
+        # Two segments, or a segment and a row of coarse cells with one more on each side.
+        room = 2 * hierarchy.longest_segment + int(hierarchy.table[0, STRIDE]) + 2 * LANES
         self.scratch = [aligned_zeros(room) for _ in range(team.threads)]
         self.scratch64 = np.zeros(len(hierarchy.coarsest.band), np.float64)
-        large = WORTH_SHARING if team.threads > 1 else LONG_CALL
-        self.n_large = sum(n * channels >= large for n in hierarchy.unknowns[:-1])
-        self.calls = self._plan(cycle)
+        self.n_large = sum(team.shares(n * channels) for n in hierarchy.unknowns[:-1])
+        self._plans: dict[tuple[Cycle, int], list[list[NDArray[np.int64]]]] = {}
 
     def strengthen(self) -> None:
         """Go on with the next stronger cycle, if there is one."""
         if self.names[-1] in STRONGER:
             self.names.append(STRONGER[self.names[-1]])
-            self.calls = self._plan(self.names[-1])
 
-    def run(self, x: Float32, b: Float32) -> float:
-        """One cycle for A x = b, in place; returns a bound of the largest change of any black pixel."""
+    def run(self, x: Float32, b: Float32, cycles: int = 1) -> list[float]:
+        """Some cycles for A x = b, in place; returns a bound of the largest change of any black pixel in each."""
         h, coarsest = self.hierarchy, self.hierarchy.coarsest
         fields = x, b, h.weight, h.diagonal, h.edge_e, h.edge_s, coarsest.band, coarsest.cells
-        changes = np.zeros(3, np.int32)
-        for call in self.calls:
+        changes = np.zeros((self.team.threads, cycles + 1, 3), np.int32)
+        plan = (self.names[-1], cycles)
+        if plan not in self._plans:
+            self._plans[plan] = self._plan(*plan)
+        for call in self._plans[plan]:
             parts = [
-                (*fields, scratch, self.scratch64, h.runs, h.segments, h.table, steps, self.channels)
-                for scratch, steps in zip(self.scratch, call, strict=False)
+                (mine, *fields, scratch, self.scratch64, h.runs, h.segments, h.table, steps, self.channels)
+                for mine, scratch, steps in zip(changes, self.scratch, call, strict=False)
             ]
-            for bits in self.team.run(run_steps, parts):
-                changes = np.maximum(changes, np.array(bits, np.int32))
-        return float(changes.view(np.float32).sum(dtype=np.float64))
+            self.team.run(kernels.run_steps, parts)
+        largest = changes.max(0)[:cycles].view(np.float32).sum(1, dtype=np.float64)
+        return [float(change) for change in largest]
 
-    def _plan(self, cycle: Cycle) -> list[list[NDArray[np.int64]]]:
-        """The calls of a cycle: of each, the steps for every thread that takes part."""
-        table = self.hierarchy.table
-        first = table[:-1, FIRST_SEGMENT].tolist()
-        end = table[1:, FIRST_SEGMENT].tolist()
-        phases = [_phases(self.hierarchy, level, self.channels, self.team) for level in range(self.n_large)]
+    def _plan(self, cycle: Cycle, cycles: int) -> list[list[NDArray[np.int64]]]:
+        """The calls of some cycles: of each, the steps for every thread that takes part."""
+        coarsest = self.hierarchy.n_levels - 1
+        if self.n_large == 0:
+            return [[_by_one_thread(cycle, coarsest, cycles)]]
+        bands = [_bands(self.hierarchy, level, self.team) for level in range(self.n_large)]
         calls: list[list[NDArray[np.int64]]] = []
         alone: list[list[int]] = []  # steps for a single thread
-        for step, level in walk(cycle, 0, self.hierarchy.n_levels - 1):
+        for kind, level, number in journey(cycle, coarsest, cycles):
             if level >= self.n_large:
-                alone.append(_whole(step, level, first[level], end[level]))
+                alone.append(_step(kind, level, number, _ranges(OPERATIONS[kind])))
                 continue
-            for phase in phases[level][step]:
-                if phase.shared:
-                    calls += [[np.array(alone, np.int64)]] if alone else []
-                    alone = []
-                    calls += [
-                        [np.array([one], np.int64) for one in phase.steps[k : k + self.team.threads]]
-                        for k in range(0, len(phase.steps), self.team.threads)
-                    ]
-                else:
-                    alone += phase.steps
+            for phase in _phases(OPERATIONS[kind], bands[level], self.channels):
+                steps = [_step(kind, level, number, ranges) for ranges in phase.ranges]
+                if not phase.shared:
+                    alone += steps
+                    continue
+                calls += [[np.array(alone, np.int64)]] if alone else []
+                alone = []
+                threads = self.team.threads
+                calls += [
+                    [np.array([one], np.int64) for one in steps[k : k + threads]]
+                    for k in range(0, len(steps), threads)
+                ]
         return [*calls, [np.array(alone, np.int64)]] if alone else calls
 
 
-def _whole(step: int, level: int, first: int, end: int) -> list[int]:
-    """A step on a whole level, for `kernels.cycle.run_steps`."""
-    up, down = step == UP, step == DOWN
-    return [step, level, first, end if up else first, first, end, first, end, first, end if down else first]
+@cache
+def _by_one_thread(cycle: Cycle, coarsest: int, cycles: int) -> NDArray[np.int64]:
+    """The steps of some cycles that one thread runs in one call: the same for every hierarchy of so many levels."""
+    steps = [
+        _step(kind, level, number, _ranges(OPERATIONS[kind]))
+        for kind, level, number in journey(cycle, coarsest, cycles)
+    ]
+    return np.array(steps, np.int64)
+
+
+def _step(visit: str, level: int, number: int, ranges: list[int]) -> list[int]:
+    """A step for `kernels.cycle.run_steps`.  Going down, a coarse level begins at zero."""
+    kind = {DOWN: kernels.SWEEP, UP: kernels.SWEEP, TURN: kernels.TURN, EXACT: kernels.COARSEST}[visit]
+    return [kernels.SWEEP_FROM_ZERO if visit == DOWN and level > 0 else kind, level, number, *ranges]
+
+
+def _ranges(operations: Iterable[int], band: Band = (0, kernels.WHOLE)) -> list[int]:
+    """The bounds of a sweep that does these operations on one range of segments."""
+    bounds = [0] * (kernels.COLUMNS - kernels.PROLONG)
+    for operation in operations:
+        bounds[2 * operation : 2 * operation + 2] = band
+    return bounds
 
 
 @dataclass(frozen=True)
 class _Phase:
-    """Steps of which none touches what another one changes, and whether it pays to hand them out."""
+    """Ranges for sweeps of which none touches what another one changes, and whether it pays to hand them out."""
 
-    steps: list[list[int]]
+    ranges: list[list[int]]
     shared: bool
 
 
-def _phases(hierarchy: Hierarchy, level: int, channels: int, team: Team) -> dict[int, list[_Phase]]:
-    """What a step down and a step up are on a level that is shared out, one phase after the other.
+@dataclass(frozen=True)
+class _Shrinking:
+    """A band of segments, and what is left of it after each operation; see `_phases`."""
 
-    Within a phase no step touches what another one changes.  The wave of a band leaves out what borders on another
-    band: the black cells there wait until all red ones are done, the residuals until all black ones are; and
-    interpolated values there must stand before any red cell reads them.
+    ranges: list[Band]
+    places: NDArray[np.int64]  # of all segments before each one, from the level's first on
+    first: int
+
+
+def _bands(hierarchy: Hierarchy, level: int, team: Team) -> list[_Shrinking]:
+    """A large level's bands, one for each thread.
+
+    Each operation reads the neighbours of what it changes, as they were left by the one before it.  In a wave over a
+    band it must therefore leave out what has neighbours where the one before it has not been.
     """
     table = hierarchy.table
     first, end = int(table[level, FIRST_SEGMENT]), int(table[level + 1, FIRST_SEGMENT])
     starts, ends = hierarchy.segments[first:end, 0], hierarchy.segments[first:end, 1]
     reach = int(table[level, STRIDE]) + 1
+    places = np.concatenate([[0], np.cumsum(ends - starts)])
 
     def inner(low: int, high: int) -> Band:
         """Those of segments [low, high) whose neighbours lie in [low, high) too, or beyond the level."""
-        a = low if low == first else first + int(np.searchsorted(starts, ends[low - first - 1] + reach))
-        b = (
-            high
-            if high == end
-            else first + int(np.searchsorted(ends, starts[high - first] - reach, side="right"))
-        )
+        a, b = low, high
+        if low > first:
+            a = first + int(np.searchsorted(starts, ends[low - first - 1] + reach))
+        if high < end:
+            b = first + int(np.searchsorted(ends, starts[high - first] - reach, side="right"))
         a = min(a, high)
         return a, max(a, b)
 
-    none = (first, first)
-    wave_down, wave_up, seam, black, residual = [], [], [], [], []
-    bands = team.bands(ends - starts, first)
-    for low, high in bands:
-        a, b = inner(low, high)
-        c, d = inner(a, b) if len(bands) > 1 else (low, high)
-        wave_down.append((none, (low, high), (a, b), (c, d)))
-        wave_up.append(((a, b), (low, high), (a, b), none))
-        seam += [((low, a), none, none, none), ((b, high), none, none, none)]
-        black += [(none, none, (low, a), none), (none, none, (b, high), none)]
-        residual += [(none, none, none, (low, c)), (none, none, none, (d, high))]
+    shrinking = []
+    for band in team.bands(ends - starts, first):
+        ranges = [band]
+        while len(ranges) < N_OPERATIONS:
+            low, high = ranges[-1]
+            ranges.append(inner(low, high) if low < high else (low, high))
+        shrinking.append(_Shrinking(ranges, places, first))
+    return shrinking
 
-    def between(step: int, ranges: list[tuple[Band, Band, Band, Band]]) -> _Phase:
-        """What is left between bands: a few rows, whose work seldom takes as long as it takes to hand it out."""
-        places = sum(int((ends - starts)[a - first : b - first].sum()) for r in ranges for a, b in r)
-        return _Phase(steps(step, ranges), shared=2 * channels * places >= WORTH_SHARING)
 
-    def steps(step: int, ranges: list[tuple[Band, Band, Band, Band]]) -> list[list[int]]:
-        work = [r for r in ranges if any(a < b for a, b in r)]
-        return [[step, level, *(n for band in r for n in band)] for r in work]
-
-    return {
-        DOWN: [_Phase(steps(DOWN, wave_down), shared=True), between(DOWN, black), between(DOWN, residual)],
-        UP: [between(UP, seam), _Phase(steps(UP, wave_up), shared=True), between(UP, black)],
-    }
+def _phases(operations: range, bands: list[_Shrinking], channels: int) -> list[_Phase]:
+    """The phases of a visit to a large level: a wave in each band, then operation by operation what waves left out."""
+    wave = []
+    left: list[list[list[int]]] = [[] for _ in operations]
+    sizes = [0 for _ in operations]
+    for band in bands:
+        ranges = [0] * (kernels.COLUMNS - kernels.PROLONG)
+        low, high = band.ranges[0]
+        for k, operation in enumerate(operations):
+            done = band.ranges[k]
+            ranges[2 * operation : 2 * operation + 2] = done
+            for a, b in ((low, done[0]), (done[1], high)):
+                if a < b:
+                    left[k].append(_ranges([operation], (a, b)))
+                    sizes[k] += int(band.places[b - band.first] - band.places[a - band.first])
+        wave.append(ranges)
+    # What is left is a few rows, whose work seldom takes as long as it takes to hand it out.
+    rest = [
+        _Phase(ranges, shared=2 * channels * places >= WORTH_SHARING)
+        for ranges, places in zip(left, sizes, strict=True)
+        if ranges
+    ]
+    return [_Phase(wave, shared=True), *rest]

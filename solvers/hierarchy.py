@@ -5,7 +5,7 @@ and one *leak* per direction to the known values beside it.  A leak keeps its di
 the known value's distance: that is what makes one coarse operator work on every region, thin and ragged ones included.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,6 @@ from solvers.layout import (
     HEIGHT,
     LANES,
     OFFSET,
-    QUARTER,
     STRIDE,
     WIDTH,
     Float32,
@@ -166,105 +165,107 @@ def build_hierarchy(
     """
     arena, team = arena or Arena(), team or Team(1, region.size)
     region = np.ascontiguousarray(region, dtype=np.bool_)
-    exact_runs = _all_runs(region, team)
-    shapes = [(int(region.shape[0]), int(region.shape[1]))]
-    while len(shapes) < len(exact_runs):
-        shapes.append(((shapes[-1][0] + 1) // 2, (shapes[-1][1] + 1) // 2))
-    table = layout_table(shapes)
-
-    runs = [_whole_vectors(level_runs) for level_runs in exact_runs]
-    table[1:, FIRST_RUN] = np.cumsum([len(r) for r in runs])
-    segments = [
-        _join(r, int(stride), int(first))
-        for r, stride, first in zip(runs, table[:-1, STRIDE], table[:-1, FIRST_RUN], strict=True)
-    ]
-    table[1:, FIRST_SEGMENT] = np.cumsum([len(s) for s in segments])
+    table = layout_table(_shapes(*region.shape))
+    runs, segments = _lay_out(_finest_runs(region, team), table)
 
     # Each operation writes at the places of its own runs or segments, and reads what the one before it left.
-    size = field_size(table, 1)
+    size, stride = field_size(table, 1), int(table[0, STRIDE])
     weight, diagonal = arena.zeros(size), arena.zeros(size)
     mass = arena.zeros(size if screening > 0 else 0)
-    unknowns = [int(np.count_nonzero(region))]
-    finest = team.pieces(runs[0], 1, unknowns[0])
-    team.run(setup.weigh_region, [(weight, diagonal, region, part, table) for part in finest])
-    if screening > 0:
-        setup.screen_region(mass, weight, diagonal, segments[0], table, np.float32(screening))
     conductances = [arena.zeros(size - int(table[1, OFFSET])) for _ in range(6)]
-    stride = int(table[0, STRIDE])
+    unknowns = np.zeros(len(table) - 1, np.int64)
+    unknowns[0] = np.count_nonzero(region)
+    parts = team.pieces(runs[: table[1, FIRST_RUN]], 1, int(unknowns[0]))
+    team.run(setup.weigh_region, [(weight, diagonal, region, part, table) for part in parts])
+    if screening > 0:
+        segments_0 = segments[: table[1, FIRST_SEGMENT]]
+        setup.screen_region(mass, weight, diagonal, segments_0, table, np.float32(screening))
 
     def coarsen(part: NDArray[np.int32], level: int) -> None:
         if level == 1:
-            setup.coarsen_region(*conductances, aligned_zeros(13 * stride), weight, part, table)
+            setup.coarsen_region(*conductances, aligned_zeros(18 * stride), weight, part, table)
         else:
             setup.coarsen(*conductances, aligned_zeros(stride), part, table, level - 1)
 
-    for level in range(1, len(shapes)):
-        if unknowns[-1] <= EXACT_UNKNOWNS:
+    level = 1
+    while screening == 0 and level < len(unknowns):
+        cells = int(unknowns[level - 1])
+        if cells <= EXACT_UNKNOWNS or not team.shares(cells):
             break
-        cells = unknowns[-1]
-        team.run(coarsen, [(part, level) for part in team.pieces(runs[level - 1], 1, cells)])
-        parts = team.pieces(segments[level], 0, cells)
-        weighed = [(weight, diagonal, *conductances, part, table, level) for part in parts]
-        unknowns.append(sum(int(n) for n in team.run(setup.weigh, weighed)))
-        if screening > 0:
-            setup.coarsen_mass(mass, aligned_zeros(stride), runs[level - 1], table, level - 1)
-            setup.add_mass(weight, diagonal, mass, segments[level], table, level)
+        fine = runs[table[level - 1, FIRST_RUN] : table[level, FIRST_RUN]]
+        team.run(coarsen, [(part, level) for part in team.pieces(fine, 1, cells)])
+        own = segments[table[level, FIRST_SEGMENT] : table[level + 1, FIRST_SEGMENT]]
+        weighed = [
+            (weight, diagonal, *conductances, part, table, level) for part in team.pieces(own, 0, cells)
+        ]
+        unknowns[level] = sum(int(n) for n in team.run(setup.weigh, weighed))
+        level += 1
+    scratch = aligned_zeros(18 * stride)
+    fields = unknowns, weight, diagonal, mass, *conductances, scratch, runs, segments, table
+    n_levels = int(setup.build_levels(*fields, level, EXACT_UNKNOWNS))
 
     # The depth was known only now: coarser levels, laid out above, are left out.
-    n_levels = len(unknowns)
     table = table[: n_levels + 1]
-    hierarchy = Hierarchy(
+    return Hierarchy(
         region,
         table,
-        np.concatenate(runs[:n_levels]),
-        np.concatenate(segments[:n_levels]),
+        runs[: table[-1, FIRST_RUN]],
+        segments[: table[-1, FIRST_SEGMENT]],
         weight,
         diagonal,
         conductances[0],
         conductances[1],
-        tuple(unknowns),
-        Coarsest(np.zeros((0, 1)), np.zeros(0, np.int64)),
+        tuple(unknowns[:n_levels].tolist()),
+        _factor(diagonal, conductances[0], conductances[1], table, int(unknowns[n_levels - 1])),
     )
-    return replace(hierarchy, coarsest=_factor(hierarchy))
 
 
-def _all_runs(region: NDArray[np.bool_], team: Team) -> list[NDArray[np.int32]]:
-    """Runs of all levels that there may be, finest first."""
-    height, width = region.shape
-    levels = [_finest_runs(region, team)]
-    while min(height, width) > EXACT_SIDE:
-        coarse = np.zeros_like(levels[-1])
-        levels.append(coarse[: setup.coarsen_runs(coarse, levels[-1], RUN_GAP)])
+def _shapes(height: int, width: int) -> list[tuple[int, int]]:
+    """Of all levels that there may be, finest first."""
+    shapes = [(height, width)]
+    while min(shapes[-1]) > EXACT_SIDE:
         height, width = (height + 1) // 2, (width + 1) // 2
-    return levels
+        shapes.append((height, width))
+    return shapes
 
 
 def _finest_runs(region: NDArray[np.bool_], team: Team) -> NDArray[np.int32]:
     """Runs of the finest level."""
     bands = team.rows(len(region), region.size)
-    none = np.zeros((0, 3), np.int32)
-    counts = team.run(setup.find_runs, [(none, region[first:end], RUN_GAP) for first, end in bands])
-    runs = np.zeros((sum(counts), 3), np.int32)
-    parts = np.split(runs, np.cumsum(counts[:-1], dtype=np.intp))
-    work = zip(parts, bands, strict=True)
-    team.run(setup.find_runs, [(part, region[first:end], RUN_GAP) for part, (first, end) in work])
-    for part, (first, _) in zip(parts, bands, strict=True):
+    # Mostly one or two in a row of places; where there are more they are counted first.
+    found = [np.empty((end - first, 3), np.int32) for first, end in bands]
+    work = [(part, region[first:end], RUN_GAP) for part, (first, end) in zip(found, bands, strict=True)]
+    counts = team.run(setup.find_runs, work)
+    for k, (part, (first, end)) in enumerate(zip(found, bands, strict=True)):
+        if counts[k] > len(part):
+            part = np.empty((counts[k], 3), np.int32)
+            setup.find_runs(part, region[first:end], RUN_GAP)
         part[:, 0] += first // 2
-    return runs
+        found[k] = part[: counts[k]]
+    return found[0] if len(found) == 1 else np.concatenate(found)
 
 
-def _whole_vectors(runs: NDArray[np.int32]) -> NDArray[np.int32]:
-    """The same runs with both ends moved outwards to multiples of `LANES`."""
-    widened = runs.copy()
-    widened[:, 1] &= -LANES
-    widened[:, 2] = (widened[:, 2] + LANES - 1) & -LANES
-    return widened
+def _lay_out(finest: NDArray[np.int32], table: Table) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
+    """Runs and segments of all levels."""
+    n = len(finest)
+    scratch = np.empty((2, n, 3), np.int32)
+    room = 2 * n + 16 * len(table)  # most often: a level has half the runs of the one before it
+    while True:
+        runs, segments = np.empty((room, 3), np.int32), np.empty((room, 4), np.int64)
+        distances = RUN_GAP, SEGMENT_GAP, LONGEST_SEGMENT
+        needed = int(setup.lay_out(runs, segments, table, scratch, finest, *distances))
+        if needed <= room:
+            return runs, segments
+        room = needed
 
 
-def _join(runs: NDArray[np.int32], stride: int, first_run: int) -> NDArray[np.int64]:
-    """Segments of a level from its runs."""
-    segments = np.zeros((len(runs), 4), np.int64)
-    return segments[: setup.join_runs(segments, runs, stride, first_run, SEGMENT_GAP, LONGEST_SEGMENT)]
+def _factor(diagonal: Float32, edge_e: Float32, edge_s: Float32, table: Table, n: int) -> Coarsest:
+    """Cholesky factor of the matrix of the last level, which has n unknowns."""
+    height, width = int(table[-2, HEIGHT]), int(table[-2, WIDTH])
+    band = np.zeros((n, min(height, width) + 1))
+    cells, number = np.empty(n, np.int64), np.empty(height * width, np.int64)
+    setup.factor_coarsest(band, cells, number, diagonal, edge_e, edge_s, table, len(table) - 2)
+    return Coarsest(band, cells)
 
 
 def plain_level(values: Float32, table: Table, level: int, skipped: int = 0) -> Float32:
@@ -277,30 +278,3 @@ def plain_level(values: Float32, table: Table, level: int, skipped: int = 0) -> 
     for quarter in range(4):
         grid[quarter // 2 :: 2, quarter % 2 :: 2] = quarters[quarter]
     return grid[:height, :width]
-
-
-def _factor(hierarchy: Hierarchy) -> Coarsest:
-    """Cholesky factor of the coarsest matrix, its cells numbered along the longer side to keep the band narrow."""
-    level = hierarchy.n_levels - 1
-    edge_e, edge_s, diagonal = hierarchy.operator(level)
-    height, width = hierarchy.shape(level)
-    if width > height:
-        col, row = np.nonzero(diagonal.T)
-    else:
-        row, col = np.nonzero(diagonal)
-    number = np.full((height + 1, width + 1), -1, np.int64)
-    number[row, col] = np.arange(row.size)
-    entries = []
-    for edge, (down, right) in ((edge_e, (0, 1)), (edge_s, (1, 0))):
-        r, c = np.nonzero(edge)
-        p, q = number[r, c], number[r + down, c + right]
-        entries.append((np.maximum(p, q), np.abs(p - q), edge[r, c]))
-    bandwidth = max(int(distance.max(initial=0)) for _, distance, _ in entries)
-    band = np.zeros((row.size, bandwidth + 1))
-    band[:, 0] = diagonal[row, col]
-    for i, distance, w in entries:
-        band[i, distance] = -w
-    setup.factor_band(band)
-    stride, size = hierarchy.table[level, STRIDE], hierarchy.table[level, QUARTER]
-    cells = (2 * (row % 2) + col % 2) * size + (row // 2 + 1) * stride + col // 2
-    return Coarsest(band, cells.astype(np.int64))

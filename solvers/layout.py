@@ -65,16 +65,17 @@ def layout_table(shapes: list[tuple[int, int]]) -> Table:
         One line per level; the last line closes the columns that count up: its ``OFFSET`` is the size of a
         one-channel field.  ``FIRST_RUN`` and ``FIRST_SEGMENT`` are left at 0.
     """
-    table = np.zeros((len(shapes) + 1, 9), np.int64)
+    lines = []
     offset = 0
-    for level, (height, width) in enumerate(shapes):
+    for height, width in shapes:
         rows, cols = (height + 1) // 2, (width + 1) // 2
         stride = whole_vectors(cols + 1)
         quarter = (rows + 2) * stride
-        table[level] = height, width, rows, cols, stride, quarter, offset, 0, 0
+        lines.append([height, width, rows, cols, stride, quarter, offset, 0, 0])
         offset += 4 * quarter
-    table[-1, OFFSET] = offset
-    return table
+    closing = [0] * 9
+    closing[OFFSET] = offset
+    return np.array([*lines, closing], np.int64)
 
 
 def whole_vectors(size: int) -> int:

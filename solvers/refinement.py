@@ -16,10 +16,13 @@ import numpy as np
 from solvers.correction import Correction
 from solvers.result import Progress, SolveResult
 
+# Levels: what a correction is taken to be as large as before anything is known of it.
+FULL_SCALE = 255.0
+
 
 def solve_in_stages(
     correction: Correction,
-    iterate: Callable[[], float],
+    iterate: Callable[[int], list[float]],
     estimate: Callable[[list[float]], float],
     *,
     tolerance: float,
@@ -27,6 +30,7 @@ def solve_in_stages(
     method: Callable[[], str],
     floor: float,
     gain: float,
+    ahead: Callable[[float, float], int],
     iterations_per_step: int = 1,
     progress: Progress | None = None,
 ) -> SolveResult:
@@ -35,7 +39,7 @@ def solve_in_stages(
     Parameters
     ----------
     iterate : callable
-        One step on ``correction.x``; returns the largest change of any value.
+        So many steps on ``correction.x``; returns the largest change of any value by each.
     estimate : callable
         The error after the last of a stage's changes.
     tolerance : float
@@ -46,6 +50,8 @@ def solve_in_stages(
         Share of a stage's x below which rounding in float32 makes the iteration blind.
     gain : float
         A stage ends when the error is this share of its x; at least `floor`.
+    ahead : callable
+        How many steps it takes to get from an error to another one, as far as can be said; they are done in a row.
     iterations_per_step : int
         How many iterations (sweeps, cycles) a step is; `max_iterations` counts them.
     progress : callable, optional
@@ -54,26 +60,30 @@ def solve_in_stages(
     problem = correction.problem
     level = problem.level
     history: list[float] = []
-    changes: list[float] = []
-    error = np.inf
+    changes: list[float] = []  # of this stage
+    error = size = FULL_SCALE  # of x
     stage = 0
-    while (len(history) + 1) * iterations_per_step <= max_iterations:
-        changes.append(iterate() / level)
-        size = changes[0]  # x began at zero: its first change is about its size
-        error = max(estimate(changes), floor * size)
-        history.append(error)
-        if progress is not None:
-            progress(len(history) * iterations_per_step, float(error))
+    allowed = max_iterations // iterations_per_step
+    while len(history) < allowed:
+        aim = max(gain * size, tolerance)
+        steps = min(max(1, ahead(error, aim)), allowed - len(history))
+        for change in iterate(steps):
+            changes.append(change / level)
+            size = changes[0]  # x began at zero: its first change is about its size
+            error = max(estimate(changes), floor * size)
+            history.append(error)
+            if progress is not None:
+                progress(len(history) * iterations_per_step, float(error))
         if not np.isfinite(changes[-1]):
             break
         if error <= tolerance and (correction.exact or stage > 0):
             error = max(error, correction.least_error() / level)
             if error <= tolerance:
                 break
-        last = (len(history) + 1) * iterations_per_step > max_iterations
-        if error <= max(gain * size, tolerance) and not last:
+        if error <= max(gain * size, tolerance) and len(history) < allowed:
             correction.next_stage()
             changes.clear()
+            size = error
             stage += 1
     if history:
         history[-1] = float(error)

@@ -106,13 +106,13 @@ def solve_sor(
             for colour in (RED, BLACK)
         ]
 
-        def step() -> float:
+        def step(_: int) -> list[float]:
             before[:] = x
             for _ in range(sweeps):
                 for half_sweep in half_sweeps:
                     for side_by_side in half_sweep:
                         team.run(relax_over, side_by_side)
-            return _largest_change(x, before)
+            return [_largest_change(x, before)]
 
         rates = [FIRST_RHO]
 
@@ -132,6 +132,7 @@ def solve_sor(
             method=lambda: f"sor omega={factor:.5g}",
             floor=min(_rounding(float(factor)), STAGE_GAIN),
             gain=STAGE_GAIN,
+            ahead=lambda _error, _aim: 1,
             iterations_per_step=sweeps,
             progress=progress,
         )

@@ -36,7 +36,6 @@ def smallest_eigenvalue(hierarchy: Hierarchy, team: Team) -> float:
     v, image = x[: h.finest_size], b[: h.finest_size]
     cycling = Cycling(h, "F", 1, team)
     v[:] = h.weight[: h.finest_size] > 0
-    scratch64 = np.empty(h.longest_segment)
     eigenvalue = 1.0
     for _ in range(STEPS):
         v /= np.float32(math.sqrt(_dot(v, diagonal * v)))
@@ -44,7 +43,7 @@ def smallest_eigenvalue(hierarchy: Hierarchy, team: Team) -> float:
         target = image.copy()
         v /= np.float32(eigenvalue)  # what A^-1 D v would be if v were the mode: the cycle mends the rest
         cycling.run(x, b)
-        subtract_image(b, scratch64, x, h.weight, h.diagonal, h.finest_segments, h.table, 1, False)
+        subtract_image(b, x, h.weight, h.diagonal, h.finest_segments, h.table, 1, False)
         eigenvalue = _dot(v, target - image) / _dot(v, diagonal * v)
     return eigenvalue
 

@@ -75,6 +75,10 @@ class Team:
         if self._pool is not None:
             self._pool.shutdown()
 
+    def shares(self, values: int) -> bool:
+        """Whether so much work is to be cut into pieces."""
+        return values >= (WORTH_SHARING if self.threads > 1 else LONG_CALL)
+
     def bands(self, sizes: NDArray[np.int64], first: int = 0) -> list[Band]:
         """Ranges that split items of these sizes into as many parts as there are threads; `first` is added to both."""
         if self.threads == 1 or len(sizes) < 2 * self.threads:

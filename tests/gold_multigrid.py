@@ -16,7 +16,8 @@ Array = np.ndarray
 
 DIRECTIONS = {"north": (-1, 0), "south": (1, 0), "west": (0, -1), "east": (0, 1)}
 LEAST_RESISTANCE = 0.25  # of a leak: a known value never seems nearer than a quarter of a cell
-OVERCORRECTION = 1.04  # the interpolated correction is made this much larger
+OVERCORRECTION = 1.025  # the interpolated correction is made this much larger
+OVERRELAXATION = 1.6  # of the black cells after a correction, where another sweep follows
 SOLVED_DIRECTLY = 64  # unknowns; a grid with a side of 2 is solved directly too
 
 
@@ -169,13 +170,13 @@ class Multigrid:
         self.down = [restriction(*pair) for pair in pairs]
         self.up = [prolongation(*pair) for pair in pairs]
 
-    def sweep(self, level: int, u: Array, b: Array) -> None:
+    def sweep(self, level: int, u: Array, b: Array, omega: float = 1.0) -> None:
         a = self.matrices[level]
-        for colour in (self.red[level], ~self.red[level]):
-            u[colour] += (b - a @ u)[colour] / np.diag(a)[colour]
+        for colour, factor in ((self.red[level], 1.0), (~self.red[level], omega)):
+            u[colour] += factor * (b - a @ u)[colour] / np.diag(a)[colour]
 
-    def cycle(self, kind: str, u: Array, b: Array, level: int = 0) -> None:
-        """One cycle, in place."""
+    def cycle(self, kind: str, u: Array, b: Array, level: int = 0, *, last: bool = True) -> None:
+        """One cycle, in place; unless it is the `last` one, another one follows at once."""
         if level == len(self.matrices) - 1:
             u[:] = np.linalg.solve(self.matrices[level], b)
             return
@@ -183,7 +184,8 @@ class Multigrid:
         coarse_b = self.down[level] @ (b - self.matrices[level] @ u)
         coarse_u = np.zeros_like(coarse_b)
         visits = {"V": "V", "F": "FV", "W": "WW"}[kind]
-        for visit in visits if level + 2 < len(self.matrices) else visits[:1]:
-            self.cycle(visit, coarse_u, coarse_b, level + 1)
+        visits = visits if level + 2 < len(self.matrices) else visits[:1]
+        for k, visit in enumerate(visits):
+            self.cycle(visit, coarse_u, coarse_b, level + 1, last=k == len(visits) - 1)
         u += self.up[level] @ coarse_u
-        self.sweep(level, u, b)
+        self.sweep(level, u, b, 1.0 if last else OVERRELAXATION)

@@ -76,7 +76,7 @@ class Placement:
         _, _, ((north, south), (west, east)) = self.source_window()
         (row, col), (height, width) = self.boundary, self.region.shape
         there = (north <= row) & (row < height - south) & (west <= col) & (col < width - east)
-        return (row, col) if there.all() else (row[there], col[there])
+        return self.boundary if there.all() else (row[there], col[there])
 
 
 def _neighbours(region: NDArray[np.bool_], first: int, end: int) -> NDArray[np.bool_]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from poisson_cli.errors import InputError
 from solvers.canvas import Values
+from solvers.kernels.exact import round_into
 from solvers.problem import LARGEST_VALUE
 
 FULL_SCALE: dict[type[np.generic], float] = {
@@ -68,6 +69,32 @@ def to_storage(working: Values, dtype: np.dtype[Any]) -> NDArray[Any]:
         return working.astype(dtype, copy=False)
     np.rint(working, out=working)
     return np.clip(working, 0, FULL_SCALE[dtype.type], out=working).astype(dtype)
+
+
+def paste(picture: NDArray[Any], values: Values, region: NDArray[np.bool_], left: int) -> tuple[int, float]:
+    """Stored values as floats into the region of a picture, as `to_storage` makes them; all in one pass.
+
+    Parameters
+    ----------
+    picture : (n, W, C) array
+        Written into where `region` is True, from column `left` on.
+    values : (n, w, C) float
+    region : (n, w) bool
+
+    Returns
+    -------
+    int, float
+        How many values of the region were clipped, and how far the furthest left the range, in levels.
+    """
+    largest, dtype = FULL_SCALE[picture.dtype.type], picture.dtype
+    if dtype.kind == "u":
+        clipped, beyond = round_into(
+            picture, np.ascontiguousarray(values), region, left, values.dtype.type(largest)
+        )
+        return int(clipped), float(beyond) / level(dtype)
+    np.copyto(picture[:, left : left + values.shape[1]], values, where=region[:, :, np.newaxis])
+    overshoot = excess(values[region], dtype) if excess(values, dtype) > 0 else 0.0
+    return 0, overshoot / level(dtype)
 
 
 def excess(working: Values, dtype: np.dtype[Any]) -> float:

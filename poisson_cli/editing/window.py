@@ -124,7 +124,6 @@ class Window:
             bottom = top + len(self.region)
             picture = np.empty(self._picture.shape, self._picture.dtype)
             picture[:top], picture[bottom:] = self._picture[:top], self._picture[bottom:]
-            window = with_channels(self._placement.on_destination(picture))
 
             def rows(first: int, end: int) -> tuple[int, float]:
                 """How many values were clipped, and how far the furthest left the range."""
@@ -136,13 +135,9 @@ class Window:
                     working, before, stored = self.guess(low, high, layers)
                     correct(working, low)
                     values = self.space.to_stored(working, before, stored)
-                    left = self._left_range(values, low, high)
+                    rows, region = picture[top + low : top + high], self.region[low:high]
+                    left = tone.paste(with_channels(rows), values, region, self._placement.left)
                     clipped, overshoot = clipped + left[0], max(overshoot, left[1])
-                    np.copyto(
-                        _pixels(window[low:high]),
-                        _pixels(tone.to_storage(values, picture.dtype)),
-                        where=self.region[low:high],
-                    )
                 return clipped, overshoot
 
             left = share(rows)
@@ -215,15 +210,6 @@ class Window:
         """f* - a at the boundary's pixels."""
         points = Points(self._destination, self._source, *self._placement.boundary)
         return points.destination - self.field.base(points)
-
-    def _left_range(self, values: Values, first: int, end: int) -> tuple[int, float]:
-        """How many values of Omega in these rows are clipped, and how far the furthest leaves the range, in levels."""
-        dtype = self._picture.dtype
-        if tone.excess(values, dtype) == 0:
-            return 0, 0.0
-        # Beside Omega a is a picture of small integers, and in range, or else anything.
-        inside = values if self.small_integers else values[self.region[first:end]]
-        return tone.count_clipped(inside, dtype), tone.excess(inside, dtype) / tone.level(dtype)
 
     def _mean_shift(self) -> NDArray[Any]:
         """The mean of f* less that of a, per channel."""

@@ -7,45 +7,72 @@ the same bits.
 
 import numpy as np
 
-from solvers.kernels.policy import inlined, jit
-from solvers.layout import COLS, OFFSET, QUARTER, ROWS, STRIDE
+from solvers.kernels.policy import inlined, jit, loops
+from solvers.layout import COLS, FIRST_SEGMENT, LANES, OFFSET, QUARTER, ROWS, STRIDE
 
-DOWN, UP, COARSEST = 0, 1, 2  # see solvers.cycles
+# What a step is.  A sweep from zero takes x for zero, whatever it holds; a turn ends one cycle and begins the next.
+SWEEP, SWEEP_FROM_ZERO, TURN, COARSEST = 0, 1, 2, 3
+KIND, LEVEL, CYCLE = 0, 1, 2  # columns of steps,
+PROLONG, RED_AFTER, BLACK_AFTER, RED_BEFORE, BLACK_BEFORE, RESTRICT = (
+    3,
+    5,
+    7,
+    9,
+    11,
+    13,
+)  # where ranges begin,
+COLUMNS = 15  # and how many there are
+WHOLE = -1  # as the end of a range: all segments of the level
 
 RED, BLACK = 0, 1
 
-# Interpolation makes the coarse correction this much larger.  Piecewise constant restriction leaves it a few percent
-# too small for smooth errors: 1.04 lowers the convergence factor of F-cycles from 0.102 to 0.092 on a disk, from 0.22
-# to 0.14 where one corner alone is known; F- and W-cycles gain on every shape (``python -m benchmarks convergence``).
-OVERCORRECTION = 1.04
+# Interpolation makes the coarse correction this much larger: piecewise constant restriction leaves it a few percent too
+# small for smooth errors.  Least where one corner alone is known: 0.18 without, 0.15 with it.
+OVERCORRECTION = 1.025
 NEAR, FAR = np.float32(0.75 * OVERCORRECTION), np.float32(0.25 * OVERCORRECTION)
+
+# The black half sweep after a coarse correction goes this much too far where another sweep follows.  Together with
+# `OVERCORRECTION` it lowers the convergence factor of F-cycles from 0.10 to 0.07 on a disk, and on every other shape;
+# both were searched for on the regions of ``python -m benchmarks convergence``.
+OVERRELAXATION = np.float32(1.6)
 
 u = np.uint64  # what arrays are indexed with, see solvers.kernels
 
 ABS_BITS = np.int32(0x7FFFFFFF)  # all but the sign of a float32
+FAR_OFF = np.int64(1) << 62  # beyond any place
 
 
 @inlined
 def bits_of(value):
     """The bit pattern of |value|: as integers these order like the values, with NaN on top."""
-    return np.float32(value).view(np.int32) & ABS_BITS
+    return np.int32(np.float32(value).view(np.int32) & ABS_BITS)
 
 
 @inlined
 def largest_of(a, b):
-    """The larger one of two bit patterns."""
+    """The larger one of two bit patterns; `max` would make 64-bit integers of them."""
     return a if a > b else b
 
 
 # --- relaxation --------------------------------------------------------------------------------------------------
 
 
-@inlined
-def relax_finest(x, b, weight, size, stride, plane, quarter, at, n):
-    """Gauss-Seidel on n places of one quarter of the finest level, from `at` on, in the channel that begins at `plane`.
+@loops
+def relax_red(x, b, weight, size, stride, plane, quarter, at, n):
+    """Gauss-Seidel on n places of a quarter of the finest level, from `at` on; the channel begins at `plane`."""
+    w = u(quarter * size + at)
+    own = u(plane + quarter * size + at)
+    north = u(plane + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride))
+    south = north + u(stride)
+    west = u(plane + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1))
+    east = west + u(1)
+    for i in range(u(n)):
+        x[own + i] = weight[w + i] * (b[own + i] + x[north + i] + x[south + i] + x[west + i] + x[east + i])
 
-    Returns the bit pattern of the largest absolute change.
-    """
+
+@loops
+def relax_black(x, b, weight, size, stride, plane, quarter, at, n, omega):
+    """The same, over-relaxed by `omega` (float32).  Returns the bit pattern of the largest absolute change."""
     w = u(quarter * size + at)
     own = u(plane + quarter * size + at)
     north = u(plane + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride))
@@ -54,14 +81,15 @@ def relax_finest(x, b, weight, size, stride, plane, quarter, at, n):
     east = west + u(1)
     largest = np.int32(0)
     for i in range(u(n)):
-        new = weight[w + i] * (b[own + i] + x[north + i] + x[south + i] + x[west + i] + x[east + i])
-        largest = max(largest, bits_of(new - x[own + i]))
-        x[own + i] = new
+        around = b[own + i] + x[north + i] + x[south + i] + x[west + i] + x[east + i]
+        change = omega * (weight[w + i] * around - x[own + i])
+        largest = largest_of(largest, bits_of(change))
+        x[own + i] += change
     return largest
 
 
-@inlined
-def relax_coarse(x, b, weight, edge_e, edge_s, scratch, size, stride, plane, offset, skip, quarter, at, n):
+@loops
+def relax_coarse(x, b, weight, edge_e, edge_s, size, stride, plane, offset, skip, quarter, at, n, omega):
     """The same on a coarse level, whose coefficients begin at `offset`, and at `skip` less in the edge fields."""
     here = quarter * size + at
     above = (quarter ^ 2) * size + at - (0 if quarter & 2 else stride)
@@ -70,11 +98,18 @@ def relax_coarse(x, b, weight, edge_e, edge_s, scratch, size, stride, plane, off
     north, c_north = u(plane + above), u(offset - skip + above)
     west, c_west = u(plane + beside), u(offset - skip + beside)
     south, east = north + u(stride), west + u(1)
-    for i in range(u(n)):
-        scratch[i] = b[own + i] + edge_s[c_north + i] * x[north + i] + edge_s[c_own + i] * x[south + i]
-    for i in range(u(n)):
-        around = scratch[i] + edge_e[c_west + i] * x[west + i] + edge_e[c_own + i] * x[east + i]
-        x[own + i] = weight[w + i] * around
+    if omega == np.float32(1.0):
+        for i in range(u(n)):
+            x[own + i] = weight[w + i] * (
+                (b[own + i] + edge_s[c_north + i] * x[north + i] + edge_s[c_own + i] * x[south + i])
+                + (edge_e[c_west + i] * x[west + i] + edge_e[c_own + i] * x[east + i])
+            )
+    else:
+        for i in range(u(n)):
+            around = (b[own + i] + edge_s[c_north + i] * x[north + i] + edge_s[c_own + i] * x[south + i]) + (
+                edge_e[c_west + i] * x[west + i] + edge_e[c_own + i] * x[east + i]
+            )
+            x[own + i] += omega * (weight[w + i] * around - x[own + i])
 
 
 @jit
@@ -97,29 +132,47 @@ def relax_over(x, b, weight, segments, table, channels, colour, omega, first, en
                     x[own + i] += omega * (weight[w + i] * around - x[own + i])
 
 
+@loops
+def relax_segment_from_zero(x, b, weight, segments, table, level, channels, k):
+    """Gauss-Seidel on the red quarters of a level whose x counts as zero, whatever it holds."""
+    size, offset = table[level, QUARTER], table[level, OFFSET]
+    for quarter in (RED, 3 - RED):
+        for channel in range(channels):
+            here = quarter * size + segments[k, 0]
+            own, w = u(channels * offset + 4 * channel * size + here), u(offset + here)
+            for i in range(u(segments[k, 1] - segments[k, 0])):
+                x[own + i] = weight[w + i] * b[own + i]
+
+
 @inlined
-def relax_segment(x, b, weight, edge_e, edge_s, scratch, segments, table, level, plane, skip, colour, k):
-    """Gauss-Seidel on the two quarters of one colour; returns the largest change on the finest level."""
+def relax_segment(x, b, weight, edge_e, edge_s, segments, table, level, channels, colour, k, omega):
+    """Relaxation of the two quarters of one colour; returns the largest change of black cells on the finest level."""
     stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
+    skip = table[1, OFFSET]
     at, n = segments[k, 0], segments[k, 1] - segments[k, 0]
     largest = np.int32(0)
     for quarter in (colour, 3 - colour):
-        if level == 0:
-            change = relax_finest(x, b, weight, size, stride, plane, quarter, at, n)
-            largest = largest_of(largest, change)
-        else:
-            relax_coarse(
-                x, b, weight, edge_e, edge_s, scratch, size, stride, plane, offset, skip, quarter, at, n
-            )
+        for channel in range(channels):
+            plane = channels * offset + 4 * channel * size
+            if level > 0:
+                relax_coarse(
+                    x, b, weight, edge_e, edge_s, size, stride, plane, offset, skip, quarter, at, n, omega
+                )
+            elif colour == RED:
+                relax_red(x, b, weight, size, stride, plane, quarter, at, n)
+            else:
+                change = relax_black(x, b, weight, size, stride, plane, quarter, at, n, omega)
+                largest = largest_of(largest, change)
     return largest
 
 
 # --- restriction -------------------------------------------------------------------------------------------------
 
 
-@inlined
-def add_residual_finest(scratch, x, b, weight, diagonal, size, stride, plane, quarter, at, n):
-    """scratch += residual of n places of one quarter of the finest level."""
+@loops
+def residual_finest(scratch, x, b, weight, diagonal, size, stride, plane, quarter, at, n, to):
+    """scratch[to : to + n] = residual of n places of one quarter of the finest level."""
+    to = u(to)
     w = u(quarter * size + at)
     own = u(plane + quarter * size + at)
     north = u(plane + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride))
@@ -128,14 +181,15 @@ def add_residual_finest(scratch, x, b, weight, diagonal, size, stride, plane, qu
     east = west + u(1)
     for i in range(u(n)):  # outside the region the sum means nothing, but weight and diagonal are zero there
         around = b[own + i] + x[north + i] + x[south + i] + x[west + i] + x[east + i]
-        scratch[i] += diagonal[w + i] * (weight[w + i] * around - x[own + i])
+        scratch[to + i] = diagonal[w + i] * (weight[w + i] * around - x[own + i])
 
 
-@inlined
-def add_residual_coarse(
-    scratch, x, b, diagonal, edge_e, edge_s, size, stride, plane, offset, skip, quarter, at, n
+@loops
+def residual_coarse(
+    scratch, x, b, diagonal, edge_e, edge_s, size, stride, plane, offset, skip, quarter, at, n, to
 ):
-    """scratch += residual of n places of one quarter of a coarse level."""
+    """The same on a coarse level."""
+    to = u(to)
     here = quarter * size + at
     above = (quarter ^ 2) * size + at - (0 if quarter & 2 else stride)
     beside = (quarter ^ 1) * size + at - (0 if quarter & 1 else 1)
@@ -143,32 +197,38 @@ def add_residual_coarse(
     north, c_north = u(plane + above), u(offset - skip + above)
     west, c_west = u(plane + beside), u(offset - skip + beside)
     south, east = north + u(stride), west + u(1)
-    for i in range(u(n)):
-        scratch[i] += b[own + i] - diagonal[d + i] * x[own + i] + edge_s[c_north + i] * x[north + i]
-    for i in range(u(n)):
-        around = edge_e[c_west + i] * x[west + i] + edge_e[c_own + i] * x[east + i]
-        scratch[i] += edge_s[c_own + i] * x[south + i] + around
+    nothing = np.float32(0.0)
+    for i in range(u(n)):  # outside the region b means nothing
+        residual = (b[own + i] - diagonal[d + i] * x[own + i] + edge_s[c_north + i] * x[north + i]) + (
+            edge_s[c_own + i] * x[south + i]
+            + (edge_e[c_west + i] * x[west + i] + edge_e[c_own + i] * x[east + i])
+        )
+        scratch[to + i] = residual if diagonal[d + i] > nothing else nothing
 
 
 @inlined
-def hand_down(x, b, scratch, start, n, at, size):
-    """n sums from scratch[start] on become right-hand sides of level + 1, even columns at `at`; x there is zeroed."""
-    even, odd, first, half = u(at), u(at + size), u(start), u(n // 2)
-    for i in range(half):
-        b[even + i] = scratch[first + i + i]
-    for i in range(half):
-        b[odd + i] = scratch[first + i + i + u(1)]
-    for i in range(half):
-        x[even + i] = np.float32(0.0)
-    for i in range(half):
-        x[odd + i] = np.float32(0.0)
+def whole_vectors(n):
+    """n rounded up to whole vectors.  What that adds behind a run lies on the same row, and outside the region."""
+    return u((n + LANES - 1) & -LANES)
+
+
+@loops
+def hand_down(b, scratch, start, other, n, at, size):
+    """Sums of n residuals from scratch[start] and scratch[other] on become right-hand sides of level + 1.
+
+    Even columns go to `at`.
+    """
+    even, odd, first, second, half = u(at), u(at + size), u(start), u(other), whole_vectors(n // 2)
+    for i in range(half):  # both in one loop: LLVM then loads whole vectors and takes them apart
+        b[even + i] = scratch[first + i + i] + scratch[second + i + i]
+        b[odd + i] = scratch[first + i + i + u(1)] + scratch[second + i + i + u(1)]
 
 
 @inlined
 def restrict_segment(
-    x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, channel, k
+    b, x, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, channel, k
 ):
-    """Right-hand side of level + 1 below a segment: each cell the sum of its children's residuals.  Its x becomes zero.
+    """Right-hand side of level + 1 below a segment: each cell the sum of its children's residuals.
 
     A black half sweep must have come before: black residuals are then zero, and only the red ones are computed.
     """
@@ -176,28 +236,28 @@ def restrict_segment(
     plane = channels * offset + 4 * channel * size
     at = segments[k, 0]
     n = segments[k, 1] - at
-    for i in range(u(n)):
-        scratch[i] = np.float32(0.0)
     for quarter in (0, 3):
+        to = n if quarter else 0
         if level == 0:
-            add_residual_finest(scratch, x, b, weight, diagonal, size, stride, plane, quarter, at, n)
+            residual_finest(scratch, x, b, weight, diagonal, size, stride, plane, quarter, at, n, to)
         else:
             skip = table[1, OFFSET]
-            add_residual_coarse(
-                scratch, x, b, diagonal, edge_e, edge_s, size, stride, plane, offset, skip, quarter, at, n
+            residual_coarse(
+                scratch, x, b, diagonal, edge_e, edge_s, size, stride, plane, offset, skip, quarter, at, n, to
             )
     coarse_size = table[level + 1, QUARTER]
     plane = channels * table[level + 1, OFFSET] + 4 * channel * coarse_size
     for run in range(segments[k, 2], segments[k, 3]):
         row, low = np.int64(runs[run, 0]), np.int64(runs[run, 1])
         to = plane + 2 * (row & 1) * coarse_size + (row // 2 + 1) * table[level + 1, STRIDE] + low // 2
-        hand_down(x, b, scratch, (row + 1) * stride + low - at, np.int64(runs[run, 2]) - low, to, coarse_size)
+        start = (row + 1) * stride + low - at
+        hand_down(b, scratch, start, n + start, np.int64(runs[run, 2]) - low, to, coarse_size)
 
 
 # --- interpolation -----------------------------------------------------------------------------------------------
 
 
-@inlined
+@loops
 def blend_run(scratch, x, table, level, channels, channel, quarter, row, low, high, at):
     """scratch[at + 1 : ...] = the cells of level + 1 in columns [low, high), blended for the children in `quarter`.
 
@@ -213,7 +273,7 @@ def blend_run(scratch, x, table, level, channels, channel, quarter, row, low, hi
     far = u(plane + 2 * (far_row & 1) * size + (far_row // 2 + 1) * stride)
     near_odd, far_odd = near + u(size), far + u(size)
     first, half = u(at + 1), u((high - low) // 2)
-    for i in range(half):
+    for i in range(whole_vectors((high - low) // 2)):
         scratch[first + i + i] = NEAR * x[near + i] + FAR * x[far + i]
         scratch[first + i + i + u(1)] = NEAR * x[near_odd + i] + FAR * x[far_odd + i]
     if quarter == 1:
@@ -227,6 +287,19 @@ def blend_run(scratch, x, table, level, channels, channel, quarter, row, low, hi
         scratch[at] = scratch[at + 1]
 
 
+@loops
+def add_interpolated(x, weight, scratch, w, own, n, quarter):
+    """x += what lies in scratch, interpolated along the row, in n places of the region from x[own] and weight[w] on."""
+    near, far, zero = np.float32(0.75), np.float32(0.25), np.float32(0.0)
+    largest = np.int32(0)
+    own, w, here, beside = u(own), u(w), u(1), u(4 - 2 * quarter)
+    for i in range(u(n)):
+        change = near * scratch[here + i] + far * scratch[beside + i] if weight[w + i] > zero else zero
+        largest = largest_of(largest, bits_of(change))
+        x[own + i] += change
+    return largest
+
+
 @inlined
 def prolong_segment(x, weight, scratch, runs, segments, table, level, channels, channel, k):
     """Adds the 9-3-3-1 interpolation of level + 1 to the black cells of a segment.
@@ -235,7 +308,6 @@ def prolong_segment(x, weight, scratch, runs, segments, table, level, channels, 
     largest absolute change.
     """
     stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
-    near, far, zero = np.float32(0.75), np.float32(0.25), np.float32(0.0)
     largest = np.int32(0)
     at = segments[k, 0]
     for quarter in (1, 2):
@@ -243,84 +315,96 @@ def prolong_segment(x, weight, scratch, runs, segments, table, level, channels, 
             row, low, high = np.int64(runs[run, 0]), np.int64(runs[run, 1]), np.int64(runs[run, 2])
             to = (row + 1) * stride + low - at
             blend_run(scratch, x, table, level, channels, channel, quarter, row, low, high, to)
-        w = u(offset + quarter * size + at)
-        own = u(channels * offset + (4 * channel + quarter) * size + at)
-        here, beside = u(1), u(4 - 2 * quarter)
-        for i in range(u(segments[k, 1] - at)):
-            change = near * scratch[here + i] + far * scratch[beside + i] if weight[w + i] > zero else zero
-            largest = max(largest, bits_of(change))
-            x[own + i] += change
+        change = add_interpolated(
+            x, weight, scratch, offset + quarter * size + at, channels * offset + (4 * channel + quarter) * size + at,
+            segments[k, 1] - at, quarter,
+        )  # fmt: skip
+        largest = largest_of(largest, change)
     return largest
 
 
 # --- one visit to a level ----------------------------------------------------------------------------------------
 
 
+@inlined
+def range_of(steps, step, operation, table):
+    """First and end segment of an operation."""
+    first, end = steps[step, operation], steps[step, operation + 1]
+    if end == WHOLE:
+        level = steps[step, LEVEL]
+        return table[level, FIRST_SEGMENT], table[level + 1, FIRST_SEGMENT]
+    return first, end
+
+
 @jit
-def sweep(
-    x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels,
-    prolong_from, prolong_to, red_from, red_to, black_from, black_to, restrict_from, restrict_to,
-):  # fmt: skip
-    """Up to four operations on a level, each on its own range of segments, in one pass through memory.
+def sweep(x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, steps, step, channels):
+    """Up to six operations on a level, each on its own range of segments, in one pass through memory.
 
-    Interpolation from level + 1, red half sweep, black half sweep, restriction to level + 1.  They run one behind the
-    other like a wave: black cells follow as soon as the red ones around them are done, and so on, while the rows are
-    still in the cache.  Every value is computed from the same values as in four separate passes, hence the same bits.
+        interpolation from level + 1, red half sweep, black half sweep,       which end a cycle,
+        red half sweep, black half sweep, restriction to level + 1,           which begin one
 
-    Returns the bit patterns of the largest change on the finest level, by interpolation and by the black half sweep.
+    They run one behind the other like a wave: black cells follow as soon as the red ones around them are done, and so
+    on, while the rows are still in the cache.  Every value is computed from the same values as in six separate passes,
+    hence the same bits.
+
+    steps[step]: the level and the ranges.  Returns the bit patterns of the largest change on the finest level, by
+    interpolation, by the first black half sweep and by the second one.
     """
-    stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
-    skip = table[1, OFFSET]
-    far_off = np.int64(1) << 62
-    by_correction = by_sweep = np.int32(0)
-    for channel in range(channels):
-        plane = channels * offset + 4 * channel * size
-        p, r, k, d = prolong_from, red_from, black_from, restrict_from
-        # What comes last goes first, so that a wave is as short as can be: residuals of what no black cell to come
-        # touches, black cells that no red one to come touches, and red ones once everything they read is interpolated.
-        while True:
-            red_start = segments[r, 0] if r < red_to else far_off
-            black_start = segments[k, 0] if k < black_to else red_start
-            if d < restrict_to and segments[d, 1] + stride + 1 <= black_start:
+    level, kind = steps[step, LEVEL], steps[step, KIND]
+    reach, one = table[level, STRIDE], np.float32(1.0)
+    corrected = after = before = np.int32(0)
+    up, up_end = range_of(steps, step, PROLONG, table)
+    red, red_end = range_of(steps, step, RED_AFTER, table)
+    black, black_end = range_of(steps, step, BLACK_AFTER, table)
+    red_2, red_2_end = range_of(steps, step, RED_BEFORE, table)
+    black_2, black_2_end = range_of(steps, step, BLACK_BEFORE, table)
+    down, down_end = range_of(steps, step, RESTRICT, table)
+    while True:
+        # Up to where each operation and all before it are done.
+        done_up = segments[up, 0] if up < up_end else FAR_OFF
+        done_red = min(done_up, segments[red, 0]) if red < red_end else done_up
+        done_black = min(done_red, segments[black, 0]) if black < black_end else done_red
+        done_red_2 = min(done_black, segments[red_2, 0]) if red_2 < red_2_end else done_black
+        done_black_2 = min(done_red_2, segments[black_2, 0]) if black_2 < black_2_end else done_red_2
+        # What comes last goes first, so that a wave is as short as can be.
+        if down < down_end and segments[down, 1] + reach <= done_black_2:
+            for channel in range(channels):
                 restrict_segment(
-                    x,
-                    b,
-                    weight,
-                    diagonal,
-                    edge_e,
-                    edge_s,
-                    scratch,
-                    runs,
-                    segments,
-                    table,
-                    level,
-                    channels,
-                    channel,
-                    d,
-                )
-                d += 1
-                continue
-            black = k < black_to and segments[k, 1] + stride + 1 <= red_start
-            if not black and p < prolong_to and (r >= red_to or segments[p, 0] < segments[r, 1] + stride + 1):
-                change = prolong_segment(
-                    x, weight, scratch, runs, segments, table, level, channels, channel, p
-                )
-                by_correction = largest_of(by_correction, change)
-                p += 1
-                continue
-            if not black and r >= red_to:
-                break
-            at = k if black else r
-            colour = 1 if black else 0
+                    b, x, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels,
+                    channel, down,
+                )  # fmt: skip
+            down += 1
+        elif black_2 < black_2_end and segments[black_2, 1] + reach <= done_red_2:
             change = relax_segment(
-                x, b, weight, edge_e, edge_s, scratch, segments, table, level, plane, skip, colour, at
+                x, b, weight, edge_e, edge_s, segments, table, level, channels, BLACK, black_2, one
             )
-            if black:
-                by_sweep = largest_of(by_sweep, change)
-                k += 1
+            before = largest_of(before, change)
+            black_2 += 1
+        elif red_2 < red_2_end and segments[red_2, 1] + reach <= done_black:
+            if kind == SWEEP_FROM_ZERO:
+                relax_segment_from_zero(x, b, weight, segments, table, level, channels, red_2)
             else:
-                r += 1
-    return by_correction, by_sweep
+                relax_segment(x, b, weight, edge_e, edge_s, segments, table, level, channels, RED, red_2, one)
+            red_2 += 1
+        elif black < black_end and segments[black, 1] + reach <= done_red:
+            omega = OVERRELAXATION if kind == TURN else one
+            change = relax_segment(
+                x, b, weight, edge_e, edge_s, segments, table, level, channels, BLACK, black, omega
+            )
+            after = largest_of(after, change)
+            black += 1
+        elif red < red_end and segments[red, 1] + reach <= done_up:
+            relax_segment(x, b, weight, edge_e, edge_s, segments, table, level, channels, RED, red, one)
+            red += 1
+        elif up < up_end:
+            for channel in range(channels):
+                change = prolong_segment(
+                    x, weight, scratch, runs, segments, table, level, channels, channel, up
+                )
+                corrected = largest_of(corrected, change)
+            up += 1
+        else:
+            return corrected, after, before
 
 
 # --- the coarsest level, and whole cycles ------------------------------------------------------------------------
@@ -348,48 +432,32 @@ def solve_coarsest(x, b, band, cells, scratch64, table, level, channels):
                 total -= band[i + k, k] * scratch64[i + k]
             scratch64[i] = total / band[i, 0]
             new = np.float32(scratch64[i])
-            largest = max(largest, bits_of(new - x[plane + cells[i]]))
+            largest = largest_of(largest, bits_of(new - x[plane + cells[i]]))
             x[plane + cells[i]] = new
     return largest
 
 
 @jit
 def run_steps(
-    x,
-    b,
-    weight,
-    diagonal,
-    edge_e,
-    edge_s,
-    band,
-    cells,
-    scratch,
-    scratch64,
-    runs,
-    segments,
-    table,
-    steps,
+    changes, x, b, weight, diagonal, edge_e, edge_s, band, cells, scratch, scratch64, runs, segments, table, steps,
     channels,
-):
-    """Runs steps of a cycle, (n, 10) int64: what to do, on which level, and the eight bounds of `sweep`.
+):  # fmt: skip
+    """Runs steps of cycles, (n, COLUMNS) int64: what to do, on which level, in which cycle, and the ranges of `sweep`.
 
-    Returns the bit patterns of the largest change that the finest level saw: by the sweep before, by the
-    coarse correction and by the sweep after.  Their sum bounds the change of any black cell in this cycle.
+    changes: (cycles + 1, 3) int32, raised to the bit patterns of the largest change that the finest level saw in each
+    cycle: by the sweep before, by the coarse correction and by the sweep after.
     """
-    before = correction = after = np.int32(0)
-    for k in range(steps.shape[0]):
-        step, level = steps[k, 0], steps[k, 1]
-        if step == COARSEST:
-            change = solve_coarsest(x, b, band, cells, scratch64, table, level, channels)
-            if level == 0:
-                correction = change
-            continue
-        corrected, change = sweep(
-            x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels,
-            steps[k, 2], steps[k, 3], steps[k, 4], steps[k, 5], steps[k, 6], steps[k, 7], steps[k, 8], steps[k, 9],
-        )  # fmt: skip
-        if level == 0 and step == UP:
-            correction, after = largest_of(correction, corrected), largest_of(after, change)
-        elif level == 0:
-            before = largest_of(before, change)
-    return before, correction, after
+    for step in range(steps.shape[0]):
+        kind, level, cycle = steps[step, KIND], steps[step, LEVEL], steps[step, CYCLE]
+        after = before = np.int32(0)
+        if kind == COARSEST:
+            corrected = solve_coarsest(x, b, band, cells, scratch64, table, level, channels)
+        else:
+            corrected, after, before = sweep(
+                x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, steps, step, channels
+            )
+        if level == 0:
+            following = cycle + 1 if kind == TURN else cycle
+            changes[following, 0] = largest_of(changes[following, 0], before)
+            changes[cycle, 1] = largest_of(changes[cycle, 1], corrected)
+            changes[cycle, 2] = largest_of(changes[cycle, 2], after)

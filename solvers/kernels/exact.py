@@ -2,10 +2,36 @@
 
 import numpy as np
 
-from solvers.kernels.policy import jit
+from solvers.kernels.policy import inlined, jit, loops
 from solvers.layout import HEIGHT, QUARTER, STRIDE, WIDTH
 
 ABS_BITS = np.int64(0x7FFFFFFFFFFFFFFF)  # all but the sign of a float64
+
+u = np.uint64  # what arrays are indexed with, see solvers.kernels
+
+
+@inlined
+def bits_of(value):
+    """The bit pattern of |value|, a float64: as integers these order like the values, with NaN on top."""
+    return np.float64(value).view(np.int64) & ABS_BITS
+
+
+@inlined
+def float32_bits(value):
+    """The bit pattern of a value that is not negative, as a float32."""
+    return np.int32(np.float32(value).view(np.int32))
+
+
+@inlined
+def float32_of(bits):
+    """The value with this bit pattern."""
+    return np.int32(bits).view(np.float32)
+
+
+@inlined
+def largest_of(a, b):
+    """The larger one of two bit patterns."""
+    return a if a > b else b
 
 
 # --- the right-hand side -----------------------------------------------------------------------------------------
@@ -158,93 +184,189 @@ def assemble_rim(b, values, rows, cols, weight, table):
 # --- the solution ------------------------------------------------------------------------------------------------
 
 
-@jit
-def add_solution(solution, line64, total, x, top, runs, table):
-    """solution += total + x, summed in float64.
+@loops
+def interleave(line, total, x, at, places, size, channels):
+    """line = total + x in pairs of columns of a row, channels interleaved; the first even one is at `at`."""
+    zero = line.dtype.type(0)  # of the type to add in
+    if channels == 3:  # written out, so that LLVM puts six vectors together
+        a, b, c = u(at), u(at + 4 * size), u(at + 8 * size)
+        d, e, f = a + u(size), b + u(size), c + u(size)
+        for i in range(u(places)):
+            line[u(6) * i] = (total[a + i] + zero) + x[a + i]
+            line[u(6) * i + u(1)] = (total[b + i] + zero) + x[b + i]
+            line[u(6) * i + u(2)] = (total[c + i] + zero) + x[c + i]
+            line[u(6) * i + u(3)] = (total[d + i] + zero) + x[d + i]
+            line[u(6) * i + u(4)] = (total[e + i] + zero) + x[e + i]
+            line[u(6) * i + u(5)] = (total[f + i] + zero) + x[f + i]
+    else:
+        for channel in range(channels):
+            even, step, first = u(at + 4 * channel * size), u(2 * channels), u(channel)
+            odd, second = even + u(size), first + u(channels)
+            for i in range(u(places)):
+                line[first + step * i] = (total[even + i] + zero) + x[even + i]
+                line[second + step * i] = (total[odd + i] + zero) + x[odd + i]
 
-    solution: (n, width, channels), rows top ... top + n of the image (`top` is even).  line64: scratch for width *
+
+@loops
+def add_line(target, line, at, n):
+    """target[at : at + n] += line."""
+    at = u(at)
+    nothing = -np.float32(0.0)  # adding it changes nothing, not even -0.0
+    for i in range(u(n)):
+        target[at + i] += line[i] if line[i] != 0 else nothing
+
+
+@jit
+def add_solution(solution, line, total, x, top, runs, table):
+    """solution += total + x, which are added in the type of `line`, the solution's.
+
+    solution: (n, width, channels), rows top ... top + n of the image (`top` is even).  line: scratch for (width + 1) *
     channels values.  runs: those of the rows.
     """
     rows, width, channels = solution.shape
     stride, size = table[0, STRIDE], table[0, QUARTER]
-    step = 2 * channels
+    target = solution.reshape(-1)
     for k in range(runs.shape[0]):
         begin = np.int64(runs[k, 0]) * 2
         low, high = np.int64(runs[k, 1]) * 2, min(np.int64(runs[k, 2]) * 2, width)
-        n = (high - low) * channels
         for row in range(max(begin, top), min(begin + 2, top + rows)):
-            for side in range(2):
-                places = (high - low - side + 1) // 2
-                o = (2 * (row & 1) + side) * size + (begin // 2 + 1) * stride + low // 2
-                for channel in range(channels):
-                    a = o + 4 * channel * size
-                    t, own = total[a : a + places], x[a : a + places]
-                    sums = line64[side * channels + channel :]
-                    for i in range(places):
-                        sums[step * i] = np.float64(t[i]) + own[i]
-            target = solution[row - top].reshape(-1)[low * channels : high * channels]
-            for i in range(n):
-                target[i] += (
-                    line64[i] if line64[i] != 0.0 else -0.0
-                )  # adding -0.0 changes nothing, not even -0.0
+            at = 2 * (row & 1) * size + (begin // 2 + 1) * stride + low // 2
+            interleave(line, total, x, at, (high - low + 1) // 2, size, channels)
+            add_line(target, line, ((row - top) * width + low) * channels, (high - low) * channels)
+
+
+# --- integers ----------------------------------------------------------------------------------------------------
+
+
+@loops
+def round_span(target, values, to, at, n, largest):
+    """target[to : to + n] = values from `at` on, rounded half to even and kept within 0 ... largest.
+
+    Returns how many are clipped, and the bit pattern of how far the furthest leaves the range, in float32.
+    """
+    to, at, nothing = u(to), u(at), largest - largest
+    clipped, furthest = np.int64(0), np.int32(0)
+    for i in range(u(n)):
+        value = values[at + i]
+        beyond = -value if value < nothing else value - largest if value > largest else nothing
+        clipped += beyond > 0.5
+        furthest = largest_of(furthest, float32_bits(beyond))
+        kept = nothing if value < nothing else largest if value > largest else value
+        target[to + i] = np.int32(np.rint(kept))
+    return clipped, furthest
+
+
+@jit
+def round_into(picture, values, region, left, largest):
+    """Pixels of the region, rounded half to even and clipped to 0 ... largest; the others keep what they hold.
+
+    picture: (n, W, channels) integers.  values: (n, w, channels), for columns left ... left + w.  region: (n, w) bool.
+    largest: of the values' dtype.  Returns how many values are clipped, and how far the furthest leaves the range.
+    """
+    n, width, channels = values.shape
+    target, flat = picture.reshape(-1), values.reshape(-1)
+    clipped, furthest = np.int64(0), np.int32(0)
+    for row in range(n):
+        line = region[row]
+        end = np.int64(0)
+        while end < width:
+            start = end
+            while start < width and not line[start]:
+                start += 1
+            end = start
+            while end < width and line[end]:
+                end += 1
+            to = (row * picture.shape[1] + left + start) * channels
+            more, bits = round_span(
+                target, flat, to, (row * width + start) * channels, (end - start) * channels, largest
+            )
+            clipped += more
+            furthest = largest_of(furthest, bits)
+    return np.float64(clipped), np.float64(float32_of(furthest))
 
 
 # --- from stage to stage -----------------------------------------------------------------------------------------
 
 
-@jit
+@loops
 def fold(total, x, segments, table, channels):
     """total += x, in float32; x becomes what was really added, so that the residual can follow it exactly."""
     size = table[0, QUARTER]
     for line in range(4 * channels):
         for k in range(segments.shape[0]):
-            a, n = line * size + segments[k, 0], segments[k, 1] - segments[k, 0]
-            t, own = total[a : a + n], x[a : a + n]
-            for i in range(n):
-                new = t[i] + own[i]
-                own[i] = new - t[i]
-                t[i] = new
+            at = u(line * size + segments[k, 0])
+            for i in range(u(segments[k, 1] - segments[k, 0])):
+                new = total[at + i] + x[at + i]
+                x[at + i] = new - total[at + i]
+                total[at + i] = new
 
 
-@jit
+@loops
+def move(total, x, segments, table, channels):
+    """total = x, and x = 0."""
+    size = table[0, QUARTER]
+    for line in range(4 * channels):
+        for k in range(segments.shape[0]):
+            at = u(line * size + segments[k, 0])
+            for i in range(u(segments[k, 1] - segments[k, 0])):
+                total[at + i] = x[at + i]
+                x[at + i] = np.float32(0.0)
+
+
+@loops
 def clear(x, segments, table, channels):
     """x = 0 on the finest level."""
     size = table[0, QUARTER]
     for line in range(4 * channels):
         for k in range(segments.shape[0]):
-            x[line * size + segments[k, 0] : line * size + segments[k, 1]] = 0
+            at = u(line * size + segments[k, 0])
+            for i in range(u(segments[k, 1] - segments[k, 0])):
+                x[at + i] = np.float32(0.0)
+
+
+@inlined
+def residual_at(b, x, weight, diagonal, i, own, w, north, south, west, east):
+    """b - A x in one place, in float64."""
+    near = (np.float64(x[north + i]) + x[south + i]) + (np.float64(x[west + i]) + x[east + i])
+    residual = np.float64(b[own + i]) - np.float64(diagonal[w + i]) * x[own + i] + near
+    return residual if weight[w + i] > 0 else 0.0
+
+
+@loops
+def residual_of(b, x, weight, diagonal, size, stride, plane, quarter, at, n, keep):
+    """b - A x in n places of a quarter; stored into b unless `keep`.  Returns the bit pattern of the largest one."""
+    w = u(quarter * size + at)
+    own = u(plane + quarter * size + at)
+    north = u(plane + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride))
+    south = north + u(stride)
+    west = u(plane + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1))
+    east = west + u(1)
+    largest = np.int64(0)
+    if keep:
+        for i in range(u(n)):
+            residual = residual_at(b, x, weight, diagonal, i, own, w, north, south, west, east)
+            largest = largest_of(largest, bits_of(residual))
+    else:
+        for i in range(u(n)):
+            residual = residual_at(b, x, weight, diagonal, i, own, w, north, south, west, east)
+            largest = largest_of(largest, bits_of(residual))
+            b[own + i] = residual
+    return largest
 
 
 @jit
-def subtract_image(b, scratch64, x, weight, diagonal, segments, table, channels, keep):
+def subtract_image(b, x, weight, diagonal, segments, table, channels, keep):
     """b - A x on the finest level, in float64; stored into b unless `keep`.  Returns the bit pattern of the
     largest absolute value.
-
-    scratch64: as long as a segment.
     """
     stride, size = table[0, STRIDE], table[0, QUARTER]
     largest = np.int64(0)
-    for channel in range(channels):
-        plane = 4 * channel * size
-        for quarter in range(4):
-            for k in range(segments.shape[0]):
-                at = segments[k, 0]
-                n = segments[k, 1] - at
-                r = scratch64[:n]
-                o = quarter * size + at
-                w, d, own = weight[o : o + n], diagonal[o : o + n], x[plane + o : plane + o + n]
-                rhs = b[plane + o : plane + o + n]
-                o = plane + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride)
-                north, south = x[o : o + n], x[o + stride : o + stride + n]
-                o = plane + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1)
-                west, east = x[o : o + n], x[o + 1 : o + 1 + n]
-                for i in range(n):
-                    near = (np.float64(north[i]) + south[i]) + (np.float64(west[i]) + east[i])
-                    r[i] = np.float64(rhs[i]) - np.float64(d[i]) * own[i] + near if w[i] > 0 else 0.0
-                bits = r.view(np.int64)
-                for i in range(n):
-                    largest = max(largest, bits[i] & ABS_BITS)
-                if not keep:
-                    for i in range(n):
-                        rhs[i] = r[i]
+    for k in range(segments.shape[0]):
+        at, n = segments[k, 0], segments[k, 1] - segments[k, 0]
+        for channel in range(channels):
+            for quarter in range(4):
+                bits = residual_of(
+                    b, x, weight, diagonal, size, stride, 4 * channel * size, quarter, at, n, keep
+                )
+                largest = largest_of(largest, bits)
     return largest

@@ -7,31 +7,31 @@ _ASSEMBLE = (
     "f4[:], f8[:], f4[:], {v}[:,:,:], {v}[:,:,:], {v}[:,:,:], {v}[:,:,:], i8, i8, i8,"
     " f4[:], f4[:], i4[:,:], i8[:,:] -> b1"
 )
-_ADD_SOLUTION = "{v}[:,:,:], f8[:], f4[:], f4[:], i8, i4[:,:], i8[:,:]"
+_ADD_SOLUTION = "{v}[:,:,:], {v}[:], f4[:], f4[:], i8, i4[:,:], i8[:,:]"
 
 # Name -> signatures: arguments -> results, see `solvers.native.signature`.  Kernels that only kernels call need none.
 # They are compiled side by side in this order, so what takes longest comes first (run_steps, 2 s, clear, .1 s).
 ENTRY_POINTS = {
     "run_steps": [
-        "f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f8[:,:], i8[:], f4[:], f8[:], i4[:,:], i8[:,:], i8[:,:], i8[:,:], i8"
-        " -> i4, i4, i4"
+        "i4[:,:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f8[:,:], i8[:], f4[:], f8[:], i4[:,:], i8[:,:], i8[:,:],"
+        " i8[:,:], i8"
     ],
     "assemble": [_ASSEMBLE.format(v="f4")],
-    "coarsen_region": ["f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], i4[:,:], i8[:,:]"],
-    "coarsen": ["f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], i4[:,:], i8[:,:], i8"],
-    "subtract_image": ["f4[:], f8[:], f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8, b1 -> i8"],
+    "subtract_image": ["f4[:], f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8, b1 -> i8"],
     "add_solution": [_ADD_SOLUTION.format(v="f4")],
-    "weigh": ["f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8 -> i8"],
     "find_runs": ["i4[:,:], b1[:,:], i8 -> i8"],
     "weigh_region": ["f4[:], f4[:], b1[:,:], i4[:,:], i8[:,:]"],
     "relax_over": ["f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8, i8, f4, i8, i8"],
     "assemble_rim": ["f4[:], f4[:,:], i8[:], i8[:], f4[:], i8[:,:]"],
-    "coarsen_runs": ["i4[:,:], i4[:,:], i8 -> i8"],
-    "join_runs": ["i8[:,:], i4[:,:], i8, i8, i8, i8 -> i8"],
-    "factor_band": ["f8[:,:]"],
+    "lay_out": ["i4[:,:], i8[:,:], i8[:,:], i4[:,:,:], i4[:,:], i8, i8, i8 -> i8"],
+    "build_levels": [
+        "i8[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], i4[:,:], i8[:,:], i8[:,:], i8, i8"
+        " -> i8"
+    ],
+    "factor_coarsest": ["f8[:,:], i8[:], i8[:], f4[:], f4[:], f4[:], i8[:,:], i8"],
     "solve_coarsest": ["f4[:], f4[:], f8[:,:], i8[:], f8[:], i8[:,:], i8, i8 -> i4"],
-    "fold": ["f4[:], f4[:], i8[:,:], i8[:,:], i8"],
-    "clear": ["f4[:], i8[:,:], i8[:,:], i8"],
+    "move": ["f4[:], f4[:], i8[:,:], i8[:,:], i8"],
+    "round_into": ["u1[:,:,:], f4[:,:,:], b1[:,:], i8, f4 -> f8, f8"],
     "survey": ["b1[:,:], i8, i8 -> i8, i8"],
 }
 
@@ -50,10 +50,16 @@ FURTHER = {
     "link": ["i4[:,:], i8[:], i8, i8"],
     "sort_parts": ["i4[:], i4[:], i4[:], i4[:], i4[:]"],
     "add_solution": [_ADD_SOLUTION.format(v="f8")],
+    "clear": ["f4[:], i8[:,:], i8[:,:], i8"],
+    "fold": ["f4[:], f4[:], i8[:,:], i8[:,:], i8"],
+    "round_into": [
+        "u2[:,:,:], f4[:,:,:], b1[:,:], i8, f4 -> f8, f8",
+    ],
+    "coarsen_region": ["f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], i4[:,:], i8[:,:]"],
+    "coarsen": ["f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], i4[:,:], i8[:,:], i8"],
+    "weigh": ["f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8 -> i8"],
     "add_at": [f"{v}[:,:,:], f8[:,:], i8[:], i8, i8, i8" for v in ("f4", "f8")],
     "screen_region": ["f4[:], f4[:], f4[:], i8[:,:], i8[:,:], f4"],
-    "coarsen_mass": ["f4[:], f4[:], i4[:,:], i8[:,:], i8"],
-    "add_mass": ["f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8"],
 }
 
 # Without the GIL: callers use threads.  Division by zero follows IEEE, as in numpy.  No fastmath: a NaN must be seen.
@@ -75,3 +81,6 @@ jit = library.jit()
 # For the pieces of a kernel that run once per segment.  LLVM does not inline them by itself, and a call costs more than
 # their work on a short segment: an array is passed as seven words.
 inlined = library.jit(forceinline=True)
+
+# The same for pieces made of loops over arrays that do not overlap.
+loops = library.jit(independent=True, forceinline=True)

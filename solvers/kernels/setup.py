@@ -2,10 +2,22 @@
 
 import numpy as np
 
-from solvers.kernels.policy import jit
-from solvers.layout import COLS, HEIGHT, OFFSET, QUARTER, STRIDE, WIDTH
+from solvers.kernels.policy import inlined, jit, loops
+from solvers.layout import (
+    COLS,
+    FIRST_RUN,
+    FIRST_SEGMENT,
+    HEIGHT,
+    LANES,
+    OFFSET,
+    QUARTER,
+    STRIDE,
+    WIDTH,
+)
 
 LEAK_CAP = np.float32(4.0)  # conductance of a known value a quarter of a cell away
+
+u = np.uint64  # what arrays are indexed with, see solvers.kernels
 
 
 # --- runs --------------------------------------------------------------------------------------------------------
@@ -112,71 +124,156 @@ def join_runs(segments, runs, stride, first_run, gap, longest):
     return count
 
 
+@jit
+def lay_out(runs, segments, table, scratch, finest, gap, segment_gap, longest):
+    """Runs and segments of all levels, and where they begin; returns how many runs there are.
+
+    runs: (n, 3) int32, segments: (n, 4) int64, written if there is room for all.  table: `layout_table`'s, of which
+    FIRST_RUN and FIRST_SEGMENT are filled in.  scratch: (2, n_finest, 3) int32.  finest: (n_finest, 3) int32, from
+    `find_runs`.  The rest are distances, see `find_runs` and `join_runs`.
+    """
+    exact, n = finest, finest.shape[0]
+    first = first_segment = 0
+    for level in range(table.shape[0] - 1):
+        if level > 0:
+            coarse = scratch[level & 1]
+            n = coarsen_runs(coarse, exact[:n], gap)
+            exact = coarse
+        end = first + n
+        table[level + 1, FIRST_RUN] = end
+        if end <= runs.shape[0]:
+            for k in range(
+                n
+            ):  # both ends moved outwards to whole vectors, the first one to those of the next level
+                runs[first + k, 0] = exact[k, 0]
+                runs[first + k, 1] = exact[k, 1] & (-2 * LANES)
+                runs[first + k, 2] = (exact[k, 2] + LANES - 1) & -LANES
+            stride = table[level, STRIDE]
+            first_segment += join_runs(
+                segments[first_segment:], runs[first:end], stride, first, segment_gap, longest
+            )
+            table[level + 1, FIRST_SEGMENT] = first_segment
+        first = end
+    return first
+
+
 # --- coefficients ------------------------------------------------------------------------------------------------
+
+
+@loops
+def spread(weight, diagonal, region, even, odd, at, n):
+    """n pairs of pixels from region[at] on: a quarter and four where unknown, else zeros."""
+    even, odd, at = u(even), u(odd), u(at)
+    nothing, four, quarter_of_one = np.float32(0.0), np.float32(4.0), np.float32(0.25)
+    for i in range(u(n)):
+        a, b = region[at + i + i], region[at + i + i + u(1)]
+        weight[even + i] = quarter_of_one if a else nothing
+        diagonal[even + i] = four if a else nothing
+        weight[odd + i] = quarter_of_one if b else nothing
+        diagonal[odd + i] = four if b else nothing
+
+
+@jit
+def weigh_pixel(weight, diagonal, region, row, col, table):
+    """The same for one pixel, which may lie at the edge of the image and have fewer neighbours."""
+    height, width = region.shape
+    at = (2 * (row & 1) + (col & 1)) * table[0, QUARTER] + (row // 2 + 1) * table[0, STRIDE] + col // 2
+    neighbours = (
+        np.int64(row > 0) + np.int64(row < height - 1) + np.int64(col > 0) + np.int64(col < width - 1)
+    )
+    if region[row, col]:
+        diagonal[at] = neighbours
+        weight[at] = np.float32(1.0) / np.float32(neighbours)
 
 
 @jit
 def weigh_region(weight, diagonal, region, runs, table):
     """The finest level's coefficients: diagonal = |N_p|, weight = 1 / |N_p| in the region, both 0 outside it."""
-    height, width = table[0, HEIGHT], table[0, WIDTH]
+    height, width = region.shape
     stride, size = table[0, STRIDE], table[0, QUARTER]
-    four, quarter_of_one = np.float32(4.0), np.float32(0.25)
+    flat = region.reshape(-1)
     for k in range(runs.shape[0]):
         row, low = np.int64(runs[k, 0]), np.int64(runs[k, 1])
-        for quarter in range(4):
-            pixel_row = 2 * row + (quarter >> 1)
-            if pixel_row >= height:
-                continue
-            first = 2 * low + (quarter & 1)
-            n = min(np.int64(runs[k, 2]) - low, (width - first + 1) // 2)
-            at = quarter * size + (row + 1) * stride + low
-            w, d, line = weight[at : at + n], diagonal[at : at + n], region[pixel_row, first:]
-            for i in range(n):
-                w[i] = quarter_of_one if line[2 * i] else np.float32(0.0)
-                d[i] = four if line[2 * i] else np.float32(0.0)
-            beside = np.int64(pixel_row > 0) + np.int64(pixel_row < height - 1)
-            edge_row = beside < 2
-            for i in range(n):  # pixels at the edge of the image have fewer neighbours
-                col = first + 2 * i
-                if (edge_row or col == 0 or col == width - 1) and line[2 * i]:
-                    neighbours = beside + np.int64(col > 0) + np.int64(col < width - 1)
-                    d[i] = neighbours
-                    w[i] = np.float32(1.0) / np.float32(neighbours)
+        high = min(np.int64(runs[k, 2]), width // 2)
+        for pixel_row in range(2 * row, min(2 * row + 2, height)):
+            at = 2 * (pixel_row & 1) * size + (row + 1) * stride + low
+            spread(weight, diagonal, flat, at, at + size, pixel_row * width + 2 * low, high - low)
+            if pixel_row == 0 or pixel_row == height - 1:
+                for col in range(2 * low, min(2 * np.int64(runs[k, 2]), width)):
+                    weigh_pixel(weight, diagonal, region, pixel_row, col, table)
+            elif low == 0:
+                weigh_pixel(weight, diagonal, region, pixel_row, 0, table)
+            if 2 * np.int64(runs[k, 2]) >= width:
+                weigh_pixel(weight, diagonal, region, pixel_row, width - 1, table)
 
 
-@jit
+@inlined
 def half_conductance(w):
     """A fine edge that crosses between two coarse cells, whose centres lie twice as far apart: w in series with 1."""
     return w / (np.float32(1.0) + w)
 
 
-@jit
+@inlined
 def moved_away(g):
     """The conductance to the same known value from a centre that lies a quarter of a coarse cell further away."""
     return g / max(np.float32(1.0) + np.float32(0.25) * g, g / LEAK_CAP)
 
 
-@jit
+@inlined
 def moved_near(g):
     """The same from a quarter of a coarse cell nearer."""
     return g / max(np.float32(1.0) - np.float32(0.25) * g, g / LEAK_CAP)
 
 
-@jit
-def mark_unknown(marks, weight, at):
-    """marks = 1 where the weight is positive, else 0."""
-    w = weight[at : at + marks.shape[0]]
-    for i in range(marks.shape[0]):
-        marks[i] = np.float32(1.0) if w[i] > 0 else np.float32(0.0)
+@loops
+def mark_unknown(marks, to, weight, at, n):
+    """marks[to : to + n] = 1 where the weight is positive, else 0."""
+    to, at = u(to), u(at)
+    for i in range(u(n)):
+        marks[to + i] = np.float32(1.0) if weight[at + i] > 0 else np.float32(0.0)
 
 
-@jit
-def scatter_row(coarse, scratch, at, size, n):
-    """A row of coarse cells into their quarters: even columns into the one that holds `at`, odd ones into the next."""
-    even, odd = coarse[at : at + n // 2], coarse[at + size : at + size + n // 2]
-    for i in range(n // 2):
-        even[i] = scratch[2 * i]
-        odd[i] = scratch[2 * i + 1]
+@loops
+def scatter_row(coarse, scratch, first, at, size, n):
+    """A row of n coarse cells into quarters: even columns into the one that holds `at`, odd ones into the next."""
+    even, odd, first = u(at), u(at + size), u(first)
+    for i in range(u((n + 1) // 2)):
+        coarse[even + i] = scratch[first + i + i]
+        coarse[odd + i] = scratch[first + i + i + u(1)]
+
+
+@loops
+def coarse_conductances(lines, marks, stride, n, north, south, within_s):
+    """East and south edge, and leaks to the north, south, west and east, of n blocks in the middle of the image.
+
+    A known value beside the block moves away from its centre, one inside the block comes nearer.  north, south,
+    within_s: 0 where the image ends above, below or within the block, else 1: there is no value to leak to.
+    """
+    one = np.float32(1.0)
+    half, away, near = half_conductance(one), moved_away(one), moved_near(one)
+    step = u(stride)
+    # The block's cells, and around them those above, below, west and east.
+    i_ne, i_sw, i_se = step, u(2) * step, u(3) * step
+    i_n_w, i_n_e, i_s_w, i_s_e = u(4) * step, u(5) * step, u(6) * step, u(7) * step
+    i_w_n, i_w_s, i_e_n, i_e_s = u(8) * step, u(9) * step, u(10) * step, u(11) * step
+    for i in range(u(n)):
+        nw, ne, sw, se = marks[i], marks[i_ne + i], marks[i_sw + i], marks[i_se + i]
+        e_n, e_s, s_w, s_e = marks[i_e_n + i], marks[i_e_s + i], marks[i_s_w + i], marks[i_s_e + i]
+        n_w, n_e, w_n, w_s = marks[i_n_w + i], marks[i_n_e + i], marks[i_w_n + i], marks[i_w_s + i]
+        lines[i] = half * (ne * e_n + se * e_s)
+        lines[step + i] = half * (sw * s_w + se * s_e)
+        lines[u(2) * step + i] = north * away * (nw * (one - n_w) + ne * (one - n_e)) + near * (
+            sw * (one - nw) + se * (one - ne)
+        )
+        lines[u(3) * step + i] = south * away * (sw * (one - s_w) + se * (one - s_e)) + within_s * near * (
+            nw * (one - sw) + ne * (one - se)
+        )
+        lines[u(4) * step + i] = away * (nw * (one - w_n) + sw * (one - w_s)) + near * (
+            ne * (one - nw) + se * (one - sw)
+        )
+        lines[u(5) * step + i] = away * (ne * (one - e_n) + se * (one - e_s)) + near * (
+            nw * (one - ne) + sw * (one - se)
+        )
 
 
 @jit
@@ -184,102 +281,73 @@ def coarsen_region(edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, scratch, weig
     """Conductances of level 1 from the region: `coarsen` with all fine conductances 0 or 1.
 
     The six fields begin at level 1 and hold zeros; they are written at the places of the finest level's `runs`, which
-    are the cells of level 1.  weight: the finest level's, positive where unknown.  scratch: 13 of its rows.
+    are the cells of level 1.  weight: the finest level's, positive where unknown.  scratch: 18 of its rows.
     """
     height, width, cols = table[0, HEIGHT], table[0, WIDTH], table[0, COLS]
     stride, size = table[0, STRIDE], table[0, QUARTER]
     coarse_stride, coarse_size = table[1, STRIDE], table[1, QUARTER]
     one, zero = np.float32(1.0), np.float32(0.0)
-    half, away, near = half_conductance(one), moved_away(one), moved_near(one)
+    away, near = moved_away(one), moved_near(one)
+    marks, lines = scratch[: 12 * stride], scratch[12 * stride :]
     for k in range(runs.shape[0]):
         row, low = np.int64(runs[k, 0]), np.int64(runs[k, 1])
         n = np.int64(runs[k, 2]) - low
         at = (row + 1) * stride + low
-        # 1 where unknown: the block's cells nw ne sw se, and around them n_w n_e (above), s_w s_e, w_n w_s, e_n e_s.
-        nw, ne, sw, se = (
-            scratch[:n],
-            scratch[stride:][:n],
-            scratch[2 * stride :][:n],
-            scratch[3 * stride :][:n],
-        )
-        n_w, n_e = scratch[4 * stride :][:n], scratch[5 * stride :][:n]
-        s_w, s_e = scratch[6 * stride :][:n], scratch[7 * stride :][:n]
-        w_n, w_s = scratch[8 * stride :][:n], scratch[9 * stride :][:n]
-        e_n, e_s = scratch[10 * stride :][:n], scratch[11 * stride :][:n]
-        line = scratch[12 * stride :][:n]
-        mark_unknown(nw, weight, at)
-        mark_unknown(ne, weight, at + size)
-        mark_unknown(sw, weight, at + 2 * size)
-        mark_unknown(se, weight, at + 3 * size)
-        mark_unknown(n_w, weight, at + 2 * size - stride)
-        mark_unknown(n_e, weight, at + 3 * size - stride)
-        mark_unknown(s_w, weight, at + stride)
-        mark_unknown(s_e, weight, at + size + stride)
-        mark_unknown(w_n, weight, at + size - 1)
-        mark_unknown(w_s, weight, at + 3 * size - 1)
-        mark_unknown(e_n, weight, at + 1)
-        mark_unknown(e_s, weight, at + 2 * size + 1)
-        to = 2 * (row & 1) * coarse_size + (row // 2 + 1) * coarse_stride + low // 2
-
-        for i in range(n):
-            line[i] = half * (ne[i] * e_n[i] + se[i] * e_s[i])
-        scatter_row(edge_e, line, to, coarse_size, n)
-        for i in range(n):
-            line[i] = half * (sw[i] * s_w[i] + se[i] * s_e[i])
-        scatter_row(edge_s, line, to, coarse_size, n)
-
-        # A known value beside the block moves away from its centre, one inside the block comes nearer.  Beyond the
-        # edge of the image there is no value: nothing counts that would lie there.
-        beside = away if row > 0 else zero
-        for i in range(n):
-            line[i] = beside * (nw[i] * (one - n_w[i]) + ne[i] * (one - n_e[i]))
-        for i in range(n):
-            line[i] += near * (sw[i] * (one - nw[i]) + se[i] * (one - ne[i]))
-        scatter_row(leak_n, line, to, coarse_size, n)
-        beside = away if 2 * row + 2 < height else zero
-        within = near if 2 * row + 1 < height else zero
-        for i in range(n):
-            line[i] = beside * (sw[i] * (one - s_w[i]) + se[i] * (one - s_e[i]))
-        for i in range(n):
-            line[i] += within * (nw[i] * (one - sw[i]) + ne[i] * (one - se[i]))
-        scatter_row(leak_s, line, to, coarse_size, n)
-        for i in range(n):
-            line[i] = away * (nw[i] * (one - w_n[i]) + sw[i] * (one - w_s[i]))
-        for i in range(n):
-            line[i] += near * (ne[i] * (one - nw[i]) + se[i] * (one - sw[i]))
+        mark_unknown(marks, 0, weight, at, n)
+        mark_unknown(marks, stride, weight, at + size, n)
+        mark_unknown(marks, 2 * stride, weight, at + 2 * size, n)
+        mark_unknown(marks, 3 * stride, weight, at + 3 * size, n)
+        mark_unknown(marks, 4 * stride, weight, at + 2 * size - stride, n)
+        mark_unknown(marks, 5 * stride, weight, at + 3 * size - stride, n)
+        mark_unknown(marks, 6 * stride, weight, at + stride, n)
+        mark_unknown(marks, 7 * stride, weight, at + size + stride, n)
+        mark_unknown(marks, 8 * stride, weight, at + size - 1, n)
+        mark_unknown(marks, 9 * stride, weight, at + 3 * size - 1, n)
+        mark_unknown(marks, 10 * stride, weight, at + 1, n)
+        mark_unknown(marks, 11 * stride, weight, at + 2 * size + 1, n)
+        coarse_conductances(
+            lines, marks, stride, n,
+            one if row > 0 else zero,
+            one if 2 * row + 2 < height else zero,
+            one if 2 * row + 1 < height else zero,
+        )  # fmt: skip
+        # Beyond the edge of the image there is no value: nothing counts that would lie there.
         if low == 0:
-            line[0] -= away * (nw[0] + sw[0])
-        scatter_row(leak_w, line, to, coarse_size, n)
-        for i in range(n):
-            line[i] = away * (ne[i] * (one - e_n[i]) + se[i] * (one - e_s[i]))
-        for i in range(n):
-            line[i] += near * (nw[i] * (one - ne[i]) + sw[i] * (one - se[i]))
-        i = cols - 1 - low
-        if i < n:
-            line[i] -= near * (nw[i] + sw[i]) if width & 1 else away * (ne[i] + se[i])
-        scatter_row(leak_e, line, to, coarse_size, n)
+            lines[4 * stride] -= away * (marks[0] + marks[2 * stride])
+        last = cols - 1 - low
+        if last < n and width & 1:
+            lines[5 * stride + last] -= near * (marks[last] + marks[2 * stride + last])
+        elif last < n:
+            lines[5 * stride + last] -= away * (marks[stride + last] + marks[3 * stride + last])
+        to = 2 * (row & 1) * coarse_size + (row // 2 + 1) * coarse_stride + low // 2
+        scatter_row(edge_e, lines, 0, to, coarse_size, n)
+        scatter_row(edge_s, lines, stride, to, coarse_size, n)
+        scatter_row(leak_n, lines, 2 * stride, to, coarse_size, n)
+        scatter_row(leak_s, lines, 3 * stride, to, coarse_size, n)
+        scatter_row(leak_w, lines, 4 * stride, to, coarse_size, n)
+        scatter_row(leak_e, lines, 5 * stride, to, coarse_size, n)
 
 
-@jit
-def add_moved(total, beside, within):
-    """total = leaks of two children beside the known value and of two within, seen from the coarse centre."""
-    for i in range(total.shape[0]):
-        total[i] += moved_away(beside[i])
-    for i in range(total.shape[0]):
-        total[i] += moved_near(within[i])
+@loops
+def coarse_edge(line, edge, first, second, n):
+    """The edge between two coarse cells, made of two fine ones."""
+    first, second = u(first), u(second)
+    for i in range(u(n)):
+        line[i] = half_conductance(edge[first + i]) + half_conductance(edge[second + i])
 
 
-@jit
-def coarsen_leak(leak, scratch, at, size, coarse_at, coarse_size, n, beside_1, beside_2, within_1, within_2):
+@loops
+def coarse_leak(line, leak, at, size, n, beside_1, beside_2, within_1, within_2):
     """One direction's leak of a row of coarse cells, from the quarters beside the known value and within."""
-    total = scratch[:n]
-    for i in range(n):
-        total[i] = 0
-    a, b = at + beside_1 * size, at + within_1 * size
-    add_moved(total, leak[a : a + n], leak[b : b + n])
-    a, b = at + beside_2 * size, at + within_2 * size
-    add_moved(total, leak[a : a + n], leak[b : b + n])
-    scatter_row(leak, scratch, coarse_at, coarse_size, n)
+    a, b, c, d = (
+        u(at + beside_1 * size),
+        u(at + beside_2 * size),
+        u(at + within_1 * size),
+        u(at + within_2 * size),
+    )
+    for i in range(u(n)):
+        beside = moved_away(leak[a + i]) + moved_away(leak[b + i])
+        line[i] = beside + (moved_near(leak[c + i]) + moved_near(leak[d + i]))
 
 
 @jit
@@ -288,31 +356,43 @@ def coarsen(edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, scratch, runs, table
 
     The six fields begin at level 1.  runs: of `level`.  scratch: a row of the finest level.
     """
-    stride, size, offset = (
-        table[level, STRIDE],
-        table[level, QUARTER],
-        table[level, OFFSET] - table[1, OFFSET],
-    )
+    stride, size = table[level, STRIDE], table[level, QUARTER]
     coarse_stride, coarse_size = table[level + 1, STRIDE], table[level + 1, QUARTER]
-    coarse_offset = table[level + 1, OFFSET] - table[1, OFFSET]
     for k in range(runs.shape[0]):
         row, low = np.int64(runs[k, 0]), np.int64(runs[k, 1])
         n = np.int64(runs[k, 2]) - low
-        at = offset + (row + 1) * stride + low
-        to = coarse_offset + 2 * (row & 1) * coarse_size + (row // 2 + 1) * coarse_stride + low // 2
-        line = scratch[:n]
-        a, b = edge_e[at + size : at + size + n], edge_e[at + 3 * size : at + 3 * size + n]
-        for i in range(n):
-            line[i] = half_conductance(a[i]) + half_conductance(b[i])
-        scatter_row(edge_e, scratch, to, coarse_size, n)
-        a, b = edge_s[at + 2 * size : at + 2 * size + n], edge_s[at + 3 * size : at + 3 * size + n]
-        for i in range(n):
-            line[i] = half_conductance(a[i]) + half_conductance(b[i])
-        scatter_row(edge_s, scratch, to, coarse_size, n)
-        coarsen_leak(leak_n, scratch, at, size, to, coarse_size, n, 0, 1, 2, 3)
-        coarsen_leak(leak_s, scratch, at, size, to, coarse_size, n, 2, 3, 0, 1)
-        coarsen_leak(leak_w, scratch, at, size, to, coarse_size, n, 0, 2, 1, 3)
-        coarsen_leak(leak_e, scratch, at, size, to, coarse_size, n, 1, 3, 0, 2)
+        at = table[level, OFFSET] - table[1, OFFSET] + (row + 1) * stride + low
+        to = table[level + 1, OFFSET] - table[1, OFFSET]
+        to += 2 * (row & 1) * coarse_size + (row // 2 + 1) * coarse_stride + low // 2
+        coarse_edge(scratch, edge_e, at + size, at + 3 * size, n)
+        scatter_row(edge_e, scratch, 0, to, coarse_size, n)
+        coarse_edge(scratch, edge_s, at + 2 * size, at + 3 * size, n)
+        scatter_row(edge_s, scratch, 0, to, coarse_size, n)
+        coarse_leak(scratch, leak_n, at, size, n, 0, 1, 2, 3)
+        scatter_row(leak_n, scratch, 0, to, coarse_size, n)
+        coarse_leak(scratch, leak_s, at, size, n, 2, 3, 0, 1)
+        scatter_row(leak_s, scratch, 0, to, coarse_size, n)
+        coarse_leak(scratch, leak_w, at, size, n, 0, 2, 1, 3)
+        scatter_row(leak_w, scratch, 0, to, coarse_size, n)
+        coarse_leak(scratch, leak_e, at, size, n, 1, 3, 0, 2)
+        scatter_row(leak_e, scratch, 0, to, coarse_size, n)
+
+
+@loops
+def weigh_places(
+    weight, diagonal, edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, own, c_own, c_north, c_west, n
+):
+    """The diagonal of n cells and its inverse; returns how many there are."""
+    own, c_own, c_north, c_west = u(own), u(c_own), u(c_north), u(c_west)
+    cells = np.int64(0)
+    for i in range(u(n)):
+        edges = (edge_e[c_own + i] + edge_s[c_own + i]) + (edge_s[c_north + i] + edge_e[c_west + i])
+        leaks = (leak_n[c_own + i] + leak_s[c_own + i]) + (leak_w[c_own + i] + leak_e[c_own + i])
+        total = edges + leaks
+        diagonal[own + i] = total
+        weight[own + i] = np.float32(1.0) / total if total > 0 else np.float32(0.0)
+        cells += total > 0
+    return cells
 
 
 @jit
@@ -320,33 +400,45 @@ def weigh(weight, diagonal, edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, segm
     """A coarse level's diagonal, the sum of a cell's conductances, and its inverse; returns the number of cells."""
     stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
     skip = table[1, OFFSET]
-    cells = 0
+    cells = np.int64(0)
     for quarter in range(4):
-        upper, left = quarter ^ 2, quarter ^ 1
         for k in range(segments.shape[0]):
-            n = segments[k, 1] - segments[k, 0]
-            at = offset + quarter * size + segments[k, 0]
-            w, d = weight[at : at + n], diagonal[at : at + n]
-            at -= skip
-            east, south = edge_e[at : at + n], edge_s[at : at + n]
-            for i in range(n):
-                d[i] = east[i] + south[i]
-            north, south = leak_n[at : at + n], leak_s[at : at + n]
-            for i in range(n):
-                d[i] += north[i] + south[i]
-            west, east = leak_w[at : at + n], leak_e[at : at + n]
-            for i in range(n):
-                d[i] += west[i] + east[i]
-            at = offset - skip + upper * size + segments[k, 0] - (0 if quarter & 2 else stride)
-            north = edge_s[at : at + n]
-            at = offset - skip + left * size + segments[k, 0] - (0 if quarter & 1 else 1)
-            west = edge_e[at : at + n]
-            for i in range(n):
-                d[i] += north[i] + west[i]
-            for i in range(n):
-                w[i] = np.float32(1.0) / d[i] if d[i] > 0 else np.float32(0.0)
-                cells += d[i] > 0
+            at, n = segments[k, 0], segments[k, 1] - segments[k, 0]
+            own = offset + quarter * size + at
+            north = offset - skip + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride)
+            west = offset - skip + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1)
+            cells += weigh_places(
+                weight, diagonal, edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, own, own - skip, north, west, n
+            )  # fmt: skip
     return cells
+
+
+@jit
+def build_levels(
+    unknowns, weight, diagonal, mass, edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, scratch, runs, segments, table,
+    first, few,
+):  # fmt: skip
+    """The coefficients of levels from `first` on, up to the first one of at most `few` unknowns; returns its end.
+
+    unknowns: (n_levels,) int64, their number per level, of which those before `first` are given.  mass: empty where
+    nothing is screened.  scratch: 18 rows of the finest level.
+    """
+    for level in range(first, table.shape[0] - 1):
+        if unknowns[level - 1] <= few:
+            return level
+        fine = runs[table[level - 1, FIRST_RUN] : table[level, FIRST_RUN]]
+        own = segments[table[level, FIRST_SEGMENT] : table[level + 1, FIRST_SEGMENT]]
+        if level == 1:
+            coarsen_region(edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, scratch, weight, fine, table)
+        else:
+            coarsen(edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, scratch, fine, table, level - 1)
+        unknowns[level] = weigh(
+            weight, diagonal, edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, own, table, level
+        )
+        if mass.shape[0] > 0:
+            coarsen_mass(mass, scratch, fine, table, level - 1)
+            add_mass(weight, diagonal, mass, own, table, level)
+    return table.shape[0] - 1
 
 
 @jit
@@ -392,7 +484,7 @@ def coarsen_mass(mass, scratch, runs, table, level):
             for i in range(n):
                 line[i] += m[i]
         to = 2 * (row & 1) * coarse_size + (row // 2 + 1) * coarse_stride + low // 2
-        scatter_row(mass, scratch, table[level + 1, OFFSET] + to, coarse_size, n)
+        scatter_row(mass, scratch, 0, table[level + 1, OFFSET] + to, coarse_size, n)
 
 
 @jit
@@ -413,3 +505,47 @@ def factor_band(band):
         for m in range(1, min(bandwidth, i) + 1):
             total -= band[i, m] * band[i, m]
         band[i, 0] = np.sqrt(total)
+
+
+@inlined
+def place_of(row, col, stride, size):
+    """Where a cell lies in a channel of its level."""
+    return (2 * (row & 1) + (col & 1)) * size + (row // 2 + 1) * stride + col // 2
+
+
+@jit
+def factor_coarsest(band, cells, number, diagonal, edge_e, edge_s, table, level):
+    """Cholesky factor of the coarsest level's matrix, its cells numbered along the longer side to keep the band narrow.
+
+    band: (n, bandwidth + 1) float64 zeros, see `factor_band`.  cells: (n,) int64, where each cell lies in a channel.
+    number: as many int64 as the grid has cells, scratch.
+    """
+    height, width = table[level, HEIGHT], table[level, WIDTH]
+    stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
+    skip = table[1, OFFSET]
+    short, long_ = min(height, width), max(height, width)
+    count = np.int64(0)
+    for a in range(long_):
+        for b in range(short):
+            row, col = (a, b) if height >= width else (b, a)
+            at = place_of(row, col, stride, size)
+            number[a * short + b] = -1
+            if not diagonal[offset + at] > 0:
+                continue
+            number[a * short + b] = count
+            cells[count] = at
+            band[count, 0] = diagonal[offset + at]
+            for across in range(2):  # the neighbour before this one across the grid, and along it
+                if (b if across else a) == 0:
+                    continue
+                before = number[a * short + b - (1 if across else short)]
+                if before < 0:
+                    continue
+                edge = np.float64(1.0)  # as all are on the finest level
+                if level > 0:
+                    fine = offset - skip + cells[before]
+                    is_west = (across == 1) == (height >= width)
+                    edge = np.float64(edge_e[fine] if is_west else edge_s[fine])
+                band[count, count - before] = -edge
+            count += 1
+    factor_band(band)

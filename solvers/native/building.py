@@ -5,12 +5,13 @@ makes objects that can be loaded where there is no numba.
 """
 
 import gc
+import importlib
 import os
 import re
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from types import ModuleType
@@ -23,6 +24,7 @@ import numpy as np
 
 from solvers.native import twin
 from solvers.native.image import FROM_THE_PROCESS
+from solvers.native.independent import mangled, mark
 from solvers.native.library import Kernel, Library, Volume
 from solvers.native.linker import target_machine
 from solvers.native.loading import ARRAY_DATA, ARRAY_SHAPE
@@ -47,9 +49,19 @@ WHEN_RAISING = {
     "numba_gil_release", "numba_runtime_build_excinfo_struct", "numba_unpickle",
 }  # fmt: skip
 
-_DTYPES = {"b1": np.bool_, "i4": np.int32, "i8": np.int64, "f4": np.float32, "f8": np.float64}
+_DTYPES = {
+    "b1": np.bool_,
+    "u1": np.uint8,
+    "u2": np.uint16,
+    "i4": np.int32,
+    "i8": np.int64,
+    "f4": np.float32,
+    "f8": np.float64,
+}
 _SCALARS = {
     "b1": types.boolean,
+    "u1": types.uint8,
+    "u2": types.uint16,
     "i4": types.int32,
     "i8": types.int64,
     "f4": types.float32,
@@ -163,7 +175,7 @@ def _build_one(library: Library, kernel: Kernel, k: int) -> bytes:
     with numba.core.compiler_lock.global_compiler_lock, _no_collection(), _optimised_later():
         function = getattr(_twin(kernel.__module__), kernel.__name__)
         callback = numba.cfunc(_c_signature(signature), **options)(_entry(function, signature))
-        whole = _parsed(callback, symbol)
+        whole = _parsed(callback, symbol, _independent(kernel.__module__))
         if any(f.name == _RESHAPE and f.is_declaration for f in whole.functions):
             whole.link_in(_parsed(_reshaping(), _RESHAPE))
         _optimise(whole, symbol)
@@ -175,6 +187,14 @@ def _reshaping() -> Any:
     """`_reshape` as a callback."""
     word = types.intp
     return numba.cfunc(types.int32(word, word, word, word, word, word, word, types.int32))(_reshape)
+
+
+@cache
+def _independent(module: str) -> tuple[str, ...]:
+    """Names of a module's functions whose loops are independent."""
+    functions = vars(importlib.import_module(module)).items()
+    plain = [(name, f.plain if isinstance(f, Kernel) else f) for name, f in functions]
+    return tuple(mangled(module, name) for name, f in plain if getattr(f, "independent", False))
 
 
 @cache
@@ -268,12 +288,12 @@ def _reshape(
     return 1
 
 
-def _parsed(callback: Any, symbol: str) -> Any:
-    """A callback and all that it calls, under the name `symbol`.
+def _parsed(callback: Any, symbol: str, independent: Sequence[str] = ()) -> Any:
+    """A callback and all that it calls, under the name `symbol`; `independent` is for `independent.mark`.
 
     Its call of the kernel may be inlined, unlike numba's: then what tells of an exception is known to be of no use.
     """
-    text = _REFERENCE_COUNTING.sub("", callback.inspect_llvm())
+    text = mark(_REFERENCE_COUNTING.sub("", callback.inspect_llvm()), independent)
     module = llvm.parse_assembly(text.replace("{ noinline }", "{ nounwind }"))
     module.get_function(callback.native_name).name = symbol
     return module

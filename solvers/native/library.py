@@ -94,11 +94,14 @@ class Library:
         self._twins: dict[str, ModuleType] = {}
         self._lock = threading.RLock()
 
-    def jit(self, **options: Any) -> Callable[[Callable[..., Any]], Any]:
+    def jit(self, *, independent: bool = False, **options: Any) -> Callable[[Callable[..., Any]], Any]:
         """Decorator of every function that is to be compiled: an entry point becomes a `Kernel`.
 
         Parameters
         ----------
+        independent : bool
+            In no loop of the function does an iteration read or write an element of an array that another one writes.
+            LLVM then vectorises them without looking, see `solvers.native.independent`.
         **options
             For numba, beside those of the library.
         """
@@ -106,6 +109,7 @@ class Library:
         def declare(function: Callable[..., Any]) -> Any:
             assert isinstance(function, FunctionType)
             function.__dict__["compiled"] = {**self.options, **options}  # what `twin` looks for
+            function.__dict__["independent"] = independent
             signatures = self.signatures.get(function.__name__)
             if signatures is None:
                 return function

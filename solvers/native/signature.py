@@ -10,12 +10,14 @@ from typing import Any, NamedTuple
 
 _SCALAR = {
     "b1": ctypes.c_bool,
+    "u1": ctypes.c_uint8,
+    "u2": ctypes.c_uint16,
     "i4": ctypes.c_int32,
     "i8": ctypes.c_int64,
     "f4": ctypes.c_float,
     "f8": ctypes.c_double,
 }
-_WORD = re.compile(r"(b1|i4|i8|f4|f8)(?:\[(:(?:,:)*)\])?")
+_WORD = re.compile(r"(b1|u1|u2|i4|i8|f4|f8)(?:\[(:(?:,:)*)\])?")
 
 
 class Kind(NamedTuple):
