@@ -11,8 +11,9 @@ import warnings
 from pathlib import Path
 from typing import BinaryIO, Final, NamedTuple
 
-from PIL import Image, TiffImagePlugin
+from PIL import Image
 
+from poisson_cli.images.codecs import tiff_page, tiff_tags
 from poisson_cli.images.demands import Sized, asking
 from poisson_cli.images.depth import Depth
 from poisson_cli.images.formats import EXR, TIFF, Format, recognise
@@ -87,12 +88,13 @@ def _size(file: BinaryIO, head: bytes, form: Format) -> tuple[int, int]:
 
 
 def _size_of_tiff(file: BinaryIO, head: bytes) -> tuple[int, int]:
-    """From the first directory, which may lie at the end; Pillow does not open what it has no layout for."""
-    big = head[2:3] == b"+" or head[3:4] == b"+"
-    directory = TiffImagePlugin.ImageFileDirectory_v2(head[: 16 if big else 8])
-    file.seek(directory.next)
-    directory.load(file)
-    return int(directory[TiffImagePlugin.IMAGELENGTH]), int(directory[TiffImagePlugin.IMAGEWIDTH])
+    """From the first directory, which may lie anywhere; Pillow does not open what it has no layout for."""
+    layout = tiff_tags.layout_of(head)
+    file.seek(layout.first)
+    # Places are counted from the beginning of the file, but those of the size are not needed: it lies in the directory.
+    tags, _ = tiff_tags.read(file.read(_HEAD), layout, 0)
+    page = tiff_page.Page(tags, layout, 0)
+    return page.height, page.width
 
 
 _WINDOW: Final = re.compile(rb"dataWindow\0box2i\0\x10\0\0\0")
