@@ -74,7 +74,9 @@ def _size(file: BinaryIO, head: bytes, form: Format) -> tuple[int, int]:
     if form is EXR:
         return _size_of_exr(head)
     if form.pillow:
-        with warnings.catch_warnings():
+        from poisson_cli.images.codecs.pillow import unlimited
+
+        with warnings.catch_warnings(), unlimited():
             warnings.simplefilter("ignore")
             with Image.open(file, formats=[form.pillow]) as image:
                 return image.height, image.width
