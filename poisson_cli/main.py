@@ -114,15 +114,14 @@ def main() -> None:
     """Be the process ``poisson``: run the command line and exit with its code."""
     complete()
     if "_POISSON_COMPLETE" in os.environ:  # a shell asks what could come next
-        cli.main(prog_name="poisson")
+        try:
+            cli.main(prog_name="poisson")
+        except SystemExit as stop:
+            _leave_at_once(stop.code if isinstance(stop.code, int) else errors.DONE)
     # No thread pool that nobody asked for: it costs more to set up than a clone takes.  Read when numpy is loaded.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    import gc
-
     from poisson_cli import interrupts
 
-    # The collector would go through what the imports make, which is there to stay, again and again: 15 ms.
-    gc.set_threshold(100_000)
     interrupts.listen()
     try:
         code = run(sys.argv[1:])

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final, TextIO
 if TYPE_CHECKING:
     from poisson_cli.settings import Reporting, Solver
 
-__all__ = ["INTERVAL", "Line", "Overwritten", "is_terminal", "shown"]
+__all__ = ["DELAY", "INTERVAL", "Line", "Overwritten", "is_terminal", "shown"]
 
 DELAY: Final = 0.5
 """Seconds before the first word: what takes less needs no progress."""

@@ -26,6 +26,7 @@ import numpy as np
 
 from tests import kinds
 from tests.kinds import KINDS
+from tests.mutations import mutated
 
 ROLES = {
     "picture of fill": "fill {file} --rect 3,3,20,15",
@@ -240,6 +241,7 @@ def _sweep(name: str, flips: int, pipe: multiprocessing.connection.Connection) -
         files = [("whole", data)]
         if name not in BOMBS:
             files += [*truncated(data), *flipped(data, flips)]
+            files += [(f"mutation {seed}", mutated(name, data, seed)) for seed in range(flips)]
         worst, read, wrong = 0.0, 0, []
         for damage, file in files:
             for role in ROLES:
@@ -257,7 +259,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--flips", type=int, default=40, help="files with flipped bits of each kind")
+    parser.add_argument(
+        "--flips", type=int, default=40, help="files with flipped bits, and as many mutations, of each kind"
+    )
     parser.add_argument("--only", default="", help="kinds whose name begins with this")
     arguments = parser.parse_args()
     spawn = multiprocessing.get_context("spawn")

@@ -1,7 +1,6 @@
 """Kinds of picture files, each made by a program that is not ours; what a reader must find in them.
 
-Writers: Pillow, tifffile, OpenCV, and a few lines of `struct` where none of them can. Run as a program it prints the
-table of docs/formats.md.
+Writers: Pillow, tifffile, OpenCV, OpenEXR, and a few lines of `struct` where none of them can.
 """
 
 from __future__ import annotations
@@ -15,6 +14,7 @@ from typing import Any
 
 import cv2
 import numpy as np
+import OpenEXR
 import tifffile
 from PIL import Image
 
@@ -116,6 +116,16 @@ def png(
 def big_endian(pixels: np.ndarray) -> np.ndarray:
     """The bytes of each row of 16-bit numbers, as PNG has them."""
     return pixels.astype(">u2").reshape(pixels.shape[0], -1).view(np.uint8)
+
+
+def openexr(pixels: np.ndarray) -> bytes:
+    names = ["Y"] if pixels.ndim == 2 else ["R", "G", "B", "A"][: pixels.shape[2]]
+    planes = np.atleast_3d(pixels)
+    file = io.BytesIO()
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    channels = {name: np.ascontiguousarray(planes[..., k]) for k, name in enumerate(names)}
+    OpenEXR.File(header, channels).write(file)
+    return file.getvalue()
 
 
 def netpbm(kind: str, most: int | None, body: bytes, comment: str = "") -> bytes:
@@ -448,4 +458,12 @@ KINDS: dict[str, Callable[[], Kind]] = {
     "PFM, RGB, big-endian": lambda: Kind(pfm(FLOAT_RGB, ">"), FLOAT_RGB),
     "Radiance HDR, in runs": lambda: _hdr(FLOAT_RGB),
     "Radiance HDR, without runs": _flat_hdr,
+    "OpenEXR, grey": lambda: Kind(openexr(FLOAT_GREY), FLOAT_GREY),
+    "OpenEXR, RGB": lambda: Kind(openexr(FLOAT_RGB), FLOAT_RGB),
+    "OpenEXR, RGB, halves": lambda: Kind(
+        openexr(FLOAT_RGB.astype(np.float16)), FLOAT_RGB.astype(np.float16).astype(np.float32)
+    ),
+    "OpenEXR, RGB with opaque alpha": lambda: Kind(
+        openexr(np.dstack((FLOAT_RGB, np.ones_like(FLOAT_GREY)))), FLOAT_RGB, np.ones_like(FLOAT_GREY)
+    ),
 }

@@ -466,6 +466,38 @@ def test_from_python(folder):
     assert Path(again[0].output) == folder / lines[0]["output"]
 
 
+SCRIPT = """
+from poisson_cli import batch
+
+print("begins", __name__)
+jobs = [
+    {"tool": "clone", "source": "source.png", "destination": "destination.png", "mask": "mask.png",
+     "at": (k % 20, k // 20), "output": f"out/{k:03}.png"}
+    for k in range(12)
+]
+for result in batch.run(jobs, workers=2):
+    assert result.status == "done"
+"""
+
+
+@pytest.mark.parametrize("by_name", [True, False])
+def test_from_a_script_as_simple_as_can_be(folder, by_name):
+    """No worker imports it, so it may do its work wherever it likes, and may have no name."""
+    write(folder, [])
+    expected = by_single_commands(jobs(NUMBER))
+    (folder / "script.py").write_text(SCRIPT)
+    ran = subprocess.run(
+        [POISSON[0], "script.py" if by_name else "-"],
+        cwd=folder,
+        env=environment(),
+        input=None if by_name else SCRIPT,
+        capture_output=True,
+        text=True,
+    )
+    assert (ran.returncode, ran.stdout, ran.stderr) == (0, "begins __main__\n", "")
+    assert outputs(folder) == expected
+
+
 def test_from_python_mistakes_come_at_once():
     with pytest.raises(Mistakes) as caught:
         batch.run([{"tool": "fill"}, {"tool": "phil"}])

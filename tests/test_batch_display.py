@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from poisson_cli.batch.display import Display, ending
+from poisson_cli.batch.display import Display, checking, ending
 from poisson_cli.batch.report import Tally
 from poisson_cli.batch.task import Result, Task
 from poisson_cli.job import Job
@@ -127,6 +127,19 @@ def test_quiet_is_quiet_but_for_failures():
     for number in range(1, 100):
         batch.job(number, 1.0, **({"status": "failed", "error": "no"} if number == 50 else {}))
     assert terminal.getvalue() == "poisson: jobs.csv:50: no\n"
+
+
+def test_a_long_list_is_seen_to_be_checked(monkeypatch):
+    monkeypatch.setattr("poisson_cli.batch.display.DELAY", 0.0)
+    monkeypatch.setattr("poisson_cli.batch.display.INTERVAL", 0.0)
+    terminal, elsewhere = Terminal(), io.StringIO()
+    for stream in (terminal, elsewhere):
+        with checking(stream, quiet=False, name="jobs.csv") as watch:
+            for number in range(1, 1500):
+                watch(number, 2000)
+            if stream is terminal:
+                assert terminal.shown() == "checking jobs.csv: 1,499 of 2,000 lines"
+    assert (terminal.shown(), elsewhere.getvalue()) == ("", "")
 
 
 def test_the_end():

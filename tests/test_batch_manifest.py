@@ -301,6 +301,7 @@ def test_every_mistake_is_found_at_once():
             '{"tool": "tile", "images": ["a.png", "b.png"], "output": ["21.png", "./21.png"]}',
             '{"tool": "tile", "images": ["a.png"], "output": ["22.png"], "preview": "23.xyz"}',
             '{"tool": "fill", "image": "a.png", "mask": "22.png:red", "output": "24.png"}',
+            fill + r'"output": "\ud800.png"}',
         ]
     )
     found = mistakes(text)
@@ -319,7 +320,7 @@ def test_every_mistake_is_found_at_once():
         (29, "there is no folder no for an output"), (30, "18.xyz: the ending .xyz does not tell"),
         (31, "19: a name without an ending does not tell"), (32, "20.png: PNG has no quality to choose"),
         (33, "21.png is written twice"), (34, "23.xyz: the ending .xyz does not tell"),
-        (35, "22.png is written by line 34; read it"),
+        (35, "22.png is written by line 34; read it"), (36, "which no file can be called"),
     ]  # fmt: skip
     assert [line for line, _ in found] == [line for line, _ in expected]
     for (_, text), (_, part) in zip(found, expected, strict=True):

@@ -45,6 +45,17 @@ def test_a_mask_can_come_from_stdin_too():
     np.testing.assert_array_equal(load("out.png"), FILLED)
 
 
+def test_a_part_of_a_mask_from_stdin():
+    labels = np.where(DESTINATION_MASK, np.uint8(3), np.uint8(7))
+    Path("labels.png").write_bytes(pillow(labels, "PNG"))
+    assert shell("poisson fill grey.png -m -:index=3 -o out.png -q < labels.png").returncode == 0
+    np.testing.assert_array_equal(load("out.png"), FILLED)
+    ran = shell("poisson fill source.png -m - -o out2.png -q < labels.png")
+    assert ran.stderr.startswith(
+        b"poisson: error: mask standard input is 48x40, but the image source.png is "
+    )
+
+
 @pytest.mark.parametrize(
     ("form", "pixels"), [("png", DEEP_RGB), ("tif", DEEP_RGB), ("tif", FLOAT_RGB), ("pfm", FLOAT_RGB)]
 )

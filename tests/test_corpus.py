@@ -6,6 +6,7 @@ import pytest
 
 from tests import corpus
 from tests.kinds import KINDS
+from tests.mutations import mutated
 
 DAMAGED = [
     "PNG, RGB, 8 bits",
@@ -55,7 +56,8 @@ def test_damaged_files_are_read_or_refused(name):
     data = KINDS[name]().data
     roles = itertools.cycle(corpus.ROLES)
     refused = 0
-    for damage, file in [*corpus.truncated(data), *corpus.flipped(data, 25)]:
+    mutations = [(f"mutation {seed}", mutated(name, data, seed)) for seed in range(100, 125)]
+    for damage, file in [*corpus.truncated(data), *corpus.flipped(data, 25), *mutations]:
         role = next(roles)
         outcome = corpus.attempt(file, role)
         assert corpus.complaint(outcome) is None, (damage, role)

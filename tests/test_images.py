@@ -2,6 +2,7 @@
 
 import io
 import os
+import re
 import stat
 import struct
 import warnings
@@ -434,6 +435,29 @@ def test_warnings_about_metadata_do_not_reach_the_terminal():
     with pytest.warns(UserWarning, match="Corrupt EXIF"), Image.open(io.BytesIO(data)) as image:
         image.getexif()
     assert decode(data).shape == RGB.shape[:2]
+
+
+@pytest.mark.parametrize(
+    ("start", "size", "text"),
+    [
+        (b"", 1 << 40, "not a picture; PNG, JPEG"),
+        (b"8BPS", 1 << 40, "Photoshop is not read"),
+        (encoded(RGB), 1 << 40, "1,099,511,627,776 bytes are more than 500,000,000 pixels take"),
+        (encoded(RGB), 5 << 30, "damaged, most of its 5,368,709,120 bytes were never written"),
+    ],
+)
+def test_a_file_that_is_mostly_nothing_is_refused_before_it_is_read(tmp_path, start, size, text):
+    path = tmp_path / "a"
+    path.write_bytes(start)
+    os.truncate(path, size)
+    with pytest.raises(InputError, match=re.escape(f"{path}: {text}")):
+        images.read(path)
+
+
+def test_a_large_file_is_read_from_its_beginning(tmp_path, monkeypatch):
+    monkeypatch.setattr(reading, "_UNKNOWN", 10)
+    (tmp_path / "a").write_bytes(encoded(RGB))
+    np.testing.assert_array_equal(images.read(tmp_path / "a").pixels, RGB)
 
 
 def test_a_png_with_a_second_header_is_refused():

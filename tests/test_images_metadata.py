@@ -13,7 +13,7 @@ from poisson_cli.errors import InputError
 from poisson_cli.images import Picture, exif, formats, profile, reading, writing
 from poisson_cli.images.depth import convert
 from poisson_cli.images.metadata import Metadata
-from tests.kinds import DEEP_RGB, FLOAT_RGB, RGB, pillow, tiff
+from tests.kinds import DEEP_RGB, FLOAT_RGB, RGB, opencv, pillow, tiff
 
 PROFILE = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
 XMP = b'<x:xmpmeta xmlns:x="adobe:ns:meta/"><rdf:Description tiff:Orientation="6" note="ours"/></x:xmpmeta>'
@@ -127,6 +127,26 @@ def test_what_a_tiff_tells_goes_along(output, order):
     assert b"note=" in info["xmp"]
     if output is not formats.WEBP:
         assert info["dpi"][0] == pytest.approx(300, abs=0.51)
+
+
+@pytest.mark.parametrize(
+    ("settings", "stays"),
+    [
+        ({"description": "A bird", "metadata": None}, True),
+        ({"photometric": "rgb"}, False),  # tifffile's own: the shape of the array
+        ({"imagej": True}, False),
+        ({"ome": True}, False),
+    ],
+)
+def test_descriptions_of_a_layout_that_is_no_more_are_left_out(settings, stays):
+    """A reader would go by them: ImageJ, for one, would look for all the pages behind the first."""
+    data = tiff(np.stack((RGB, RGB)), **settings)
+    with tifffile.TiffFile(io.BytesIO(data)) as file:
+        before = file.pages[0].tags["ImageDescription"].value
+    with tifffile.TiffFile(io.BytesIO(writing.encode(reading.decode(data, "a"), formats.TIFF))) as file:
+        after = file.pages[0].tags.get("ImageDescription")
+        assert file.asarray().shape == RGB.shape
+    assert (after.value if after else None) == (before if stays else None)
 
 
 @pytest.mark.parametrize("order", ["<", ">"])
@@ -292,6 +312,15 @@ def test_a_deep_destination_brings_the_source_to_its_scale(folder, poisson):
         assert poisson("clone", source, "deep.tif", "--rect", "3,3,30,20", "-o", f"{source}.tif").code == 0
     one, other = (tifffile.imread(f"{source}.tif") for source in ("shallow.png", "stretched.tif"))
     np.testing.assert_array_equal(one, other)
+
+
+def test_numbers_that_are_none_are_reported():
+    pixels = FLOAT_RGB.copy()
+    pixels[3, 4], pixels[5, 6, 0] = np.nan, np.inf
+    for data in (tiff(pixels, photometric="rgb"), opencv(".pfm", pixels)):
+        with images.asking() as asking:
+            images.decode(data, "a")
+        assert asking.notices == ["a has 4 values that are NaN or infinite"]
 
 
 def test_numbers_that_are_none_outside_the_selection_stay_as_they_are(folder, poisson):

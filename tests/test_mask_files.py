@@ -52,6 +52,8 @@ def refusal(canvas: Canvas, name: str) -> str:
         ("none.png:alpha", "none.png:alpha", None),
         (":alpha", ":alpha", None),
         ("", ".", None),
+        ("-", "-", None),
+        ("-:alpha", "-", "alpha"),
     ],
 )
 def test_a_file_whose_own_name_has_the_colon_wins(tmp_path, monkeypatch, name, path, part):

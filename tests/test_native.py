@@ -333,11 +333,17 @@ def test_what_another_user_owns_is_not_read(tmp_path, monkeypatch):
     assert shelf.read() == b"content"
 
 
-def test_the_folder_is_the_users_alone(tmp_path):
+@pytest.mark.parametrize("umask", [0o022, 0o002, 0, 0o077])
+def test_others_may_read_but_not_write(umask, tmp_path):
     place = tmp_path / "a" / "poisson"
-    assert store.Shelf("key", place).write(b"content")
-    assert place.stat().st_mode & 0o777 == 0o700
-    assert (place / f"key{store.ENDING}").stat().st_mode & 0o777 == 0o600
+    before = os.umask(umask)
+    try:
+        assert store.Shelf("key", place).write(b"content")
+    finally:
+        os.umask(before)
+    assert place.stat().st_mode & 0o777 == 0o755 & ~umask
+    assert (place / f"key{store.ENDING}").stat().st_mode & 0o777 == 0o644 & ~umask
+    assert store.Shelf("key", place).read() == b"content"
 
 
 def test_the_place(monkeypatch, tmp_path):

@@ -31,7 +31,7 @@ EARLY = 0.1  # share of the jobs after which memory is looked at for the first t
 POISSON = [
     sys.executable,
     "-c",
-    "import sys; sys.argv[0] = 'poisson'; from poisson_cli.main import main; main()",
+    "import sys; sys.argv[0] = 'poisson'; from poisson_cli.__main__ import main; main()",
 ]
 ENVIRONMENT = {
     **os.environ,

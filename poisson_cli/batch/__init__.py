@@ -4,13 +4,12 @@
 
     from poisson_cli import batch
 
-    if __name__ == "__main__":  # new processes import this file
-        jobs = [
-            {"tool": "fill", "image": f"in/{k}.png", "rect": [9, 9, 40, 20], "output": f"out/{k}.png"}
-            for k in range(500)
-        ]
-        for result in batch.run(jobs, skip_existing=True):
-            print(result.output, result.status, result.error)
+    jobs = [
+        {"tool": "fill", "image": f"in/{k}.png", "rect": [9, 9, 40, 20], "output": f"out/{k}.png"}
+        for k in range(500)
+    ]
+    for result in batch.run(jobs, skip_existing=True):
+        print(result.output, result.status, result.error)
 
 A job is a line of a manifest as a dictionary: the arguments and options of a command under their names. The way of
 one through this package:

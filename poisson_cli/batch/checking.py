@@ -7,6 +7,7 @@ side may not do to each other. A picture that is missing or broken is no mistake
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from typing import Final
 
 from poisson_cli.batch import grammar
@@ -33,6 +34,7 @@ def check(
     skip_existing: bool = False,
     make_folders: bool = False,
     name: str = "job",
+    watch: Callable[[int, int], None] = lambda checked, lines: None,
 ) -> list[Task]:
     """Check a manifest.
 
@@ -52,6 +54,8 @@ def check(
         Whether folders that outputs go to will be made, so that they need not be there.
     name
         What to call the manifest.
+    watch
+        Called with the number of lines that are checked so far, and of all.
 
     Returns
     -------
@@ -81,6 +85,7 @@ def check(
             mistakes.append(Mistake(entry.line, " ".join(str(error).split())))
         else:
             tasks.append(task)
+        watch(number, len(manifest.entries))
     mistakes += unwritable(tasks, make_folders=make_folders)
     mistakes += collisions(tasks)
     if mistakes:

@@ -23,7 +23,7 @@ from contextlib import ExitStack, suppress
 from typing import TYPE_CHECKING, Any, Final
 
 from poisson_cli.batch.task import Result, Task, perform
-from poisson_cli.batch.worker import deaf
+from poisson_cli.batch.worker import alone, deaf
 from poisson_cli.errors import BUG, InputError, PoissonError
 
 if TYPE_CHECKING:
@@ -104,7 +104,7 @@ def _connected(scheduler: str, processes: int | None, stack: ExitStack) -> Clien
             from solvers.team import available_cores
 
             # A process that is half awake would complain about a Ctrl-C.
-            with dask.config.set({"distributed.scheduler.allowed-failures": 0}), deaf():
+            with dask.config.set({"distributed.scheduler.allowed-failures": 0}), deaf(), alone():
                 cluster = stack.enter_context(
                     distributed.LocalCluster(
                         n_workers=processes or available_cores(),

@@ -90,15 +90,18 @@ def run(path: Path, choices: Choices) -> int:
     """
     standard_input = str(path) == "-"
     folder = running.folder_for("" if standard_input else path.parent, choices.scheduler)
-    tasks = checking.check(
-        manifest.parse(sys.stdin.buffer.read() if standard_input else _read(path)),
-        folder=folder,
-        defaults=choices.defaults,
-        overwrite=choices.overwrite,
-        skip_existing=choices.skip_existing,
-        make_folders=choices.make_folders,
-        name=str(path),
-    )
+    listed = manifest.parse(sys.stdin.buffer.read() if standard_input else _read(path))
+    with display.checking(sys.stderr, quiet=choices.quiet, name=str(path)) as watch:
+        tasks = checking.check(
+            listed,
+            folder=folder,
+            defaults=choices.defaults,
+            overwrite=choices.overwrite,
+            skip_existing=choices.skip_existing,
+            make_folders=choices.make_folders,
+            name=str(path),
+            watch=watch,
+        )
     share, shares = choices.shard
     tasks = tasks[share - 1 :: shares]
     if choices.dry_run:

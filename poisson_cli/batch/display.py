@@ -5,16 +5,16 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Final, TextIO
 
 from poisson_cli.batch.report import Tally
 from poisson_cli.batch.task import Result, Task
 from poisson_cli.interrupts import held
-from poisson_cli.progress import INTERVAL, Overwritten, is_terminal
+from poisson_cli.progress import DELAY, INTERVAL, Overwritten, is_terminal
 from poisson_cli.streams import printable, silence
 
-__all__ = ["Display", "ending"]
+__all__ = ["Display", "checking", "ending"]
 
 PLAIN_INTERVAL: Final = 30.0
 """Seconds between two plain lines, at least."""
@@ -136,6 +136,41 @@ class Display:
             runs = printable(f"; {oldest.tool} {oldest.outputs[0]}")
             runs += f" for {_span(now - began)}" if now - began >= LONG else ""
         return f"{tally.done + tally.skipped:,} of {tally.jobs:,} done{failed}{pace}{runs}"
+
+
+@contextmanager
+def checking(stream: TextIO, *, quiet: bool, name: str) -> Iterator[Callable[[int, int], None]]:
+    """Show how far the check of a long list has come, on a terminal.
+
+    Parameters
+    ----------
+    stream, quiet, name
+        As of `Display`.
+
+    Yields
+    ------
+    callable
+        To be called with the number of lines that are checked, and of all.
+    """
+    if quiet or not is_terminal(stream):
+        yield lambda checked, lines: None
+        return
+    line = Overwritten(stream)
+    due = time.monotonic() + DELAY
+
+    def watch(checked: int, lines: int) -> None:
+        nonlocal due
+        now = time.monotonic()
+        if now >= due:
+            due = now + INTERVAL
+            with suppress(OSError):
+                line.write(f"checking {printable(name)}: {checked:,} of {lines:,} lines")
+
+    try:
+        yield watch
+    finally:
+        with suppress(OSError):
+            line.close()
 
 
 def ending(tally: Tally, seconds: float) -> str:

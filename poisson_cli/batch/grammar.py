@@ -201,6 +201,10 @@ def _said(name: str, parameter: click.Parameter, value: Any, folder: str) -> Ite
         if params.is_file(parameter.type):
             if word in ("", "-"):
                 raise ValueError(f'"{name}" is "{word}", but a batch needs names of files')
+            try:
+                os.fsencode(word)
+            except UnicodeEncodeError as error:
+                raise ValueError(f'"{name}" is {_shown(word)}, which no file can be called') from error
             word = os.path.join(folder, word)
         yield word
 

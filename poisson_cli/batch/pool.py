@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Final, cast
 
 from poisson_cli.batch import memory
 from poisson_cli.batch.task import Result, Task
-from poisson_cli.batch.worker import READY, Perform, deaf, serve
+from poisson_cli.batch.worker import READY, Perform, alone, deaf, serve
 from poisson_cli.errors import BUG, TERMINATED, PoissonError
 
 if TYPE_CHECKING:
@@ -213,7 +213,7 @@ class _Pool:
                 return worker
         if len(self._workers) >= self._most:
             return None
-        with deaf():
+        with deaf(), alone():
             worker = _Worker(self._context, self._perform, self._quiet)
             self._workers.append(worker)
         return worker

@@ -8,11 +8,12 @@ from __future__ import annotations
 import contextlib
 import os
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
 from multiprocessing.connection import Connection
-from types import FrameType
+from types import FrameType, ModuleType
 from typing import TYPE_CHECKING, Any, Final
 
 from poisson_cli import errors, interrupts
@@ -20,7 +21,7 @@ from poisson_cli import errors, interrupts
 if TYPE_CHECKING:
     from poisson_cli.batch.task import Result, Task
 
-__all__ = ["READY", "Perform", "deaf", "serve"]
+__all__ = ["READY", "Perform", "alone", "deaf", "serve"]
 
 Perform = Callable[["Task", int], "Result"]
 """Does a job, begun so many times; must be importable by name, as a new process has to find it."""
@@ -44,6 +45,21 @@ def deaf() -> Iterator[None]:
         resource_tracker.ensure_running()  # comes with the first process, and would let signals in when it does
     with interrupts.held():
         yield
+
+
+@contextlib.contextmanager
+def alone() -> Iterator[None]:
+    """Let processes that are started meanwhile not import the program that starts them.
+
+    By default they do, to find what may be defined there. A worker looks for nothing there: so a script needs no
+    ``if __name__ == "__main__":``, may come from standard input, and costs its imports once.
+    """
+    program = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = program
 
 
 def serve(pipe: Connection, perform: Perform | None, quiet: bool) -> None:

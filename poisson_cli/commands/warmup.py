@@ -25,10 +25,11 @@ def command(quiet: bool) -> None:
     from solvers.native import store
     from solvers.native.library import VOLUMES
 
-    if (obstacle := store.obstacle(store.folder())) is not None:
-        raise OutputError(f"the solver is not compiled, {compiling.unkept(obstacle)}")
     compiling.announce(quiet=quiet)
+    obstacle = store.obstacle(store.folder())
     for volume in VOLUMES:
+        if obstacle is not None and not library.is_kept(volume):
+            raise OutputError(f"the solver is not compiled, {compiling.unkept(obstacle)}")
         library.addresses(volume)
     if library.trouble is not None:
         raise OutputError(

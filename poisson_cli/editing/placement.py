@@ -15,7 +15,7 @@ MaskOn = Literal["source", "destination"]
 Pixels = tuple[NDArray[np.intp], NDArray[np.intp]]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Placement:
     """Omega on the destination, and the source laid under it.
 

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
-from types import MappingProxyType
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from poisson_cli.images.depth import Depth
 from poisson_cli.images.metadata import Kind
@@ -15,8 +12,7 @@ from poisson_cli.images.metadata import Kind
 __all__ = ["FORMATS", "WRITTEN", "Format", "by_extension", "listed", "recognise"]
 
 
-@dataclass(frozen=True, eq=False)
-class Format:
+class Format(NamedTuple):
     """One picture format.
 
     Parameters
@@ -46,7 +42,7 @@ class Format:
     pillow, plugin
         What Pillow calls it, and the module of Pillow that reads it; for those that Pillow reads.
     encoding
-        Settings for Pillow's encoder.
+        Settings for Pillow's encoder, by name.
     """
 
     name: str
@@ -63,7 +59,7 @@ class Format:
     extra: str = ""
     pillow: str = ""
     plugin: str = ""
-    encoding: Mapping[str, Any] = field(default_factory=dict)
+    encoding: tuple[tuple[str, Any], ...] = ()
 
     @property
     def absent(self) -> str | None:
@@ -98,7 +94,7 @@ JPEG: Final = Format(
     pillow="JPEG",
     plugin="JpegImagePlugin",
     # Subsampled colours would smear the result across the border of the region that was solved for.
-    encoding=MappingProxyType({"quality": 95, "subsampling": "4:4:4", "optimize": True}),
+    encoding=(("quality", 95), ("subsampling", "4:4:4"), ("optimize", True)),
 )
 TIFF: Final = Format(
     name="TIFF",
@@ -131,7 +127,7 @@ WEBP: Final = Format(
     plugin="WebPImagePlugin",
     # Lossless, with the colours under transparent pixels kept, so that nothing outside the region changes. Trying
     # harder than method 0 takes six times as long for files a few per cent smaller.
-    encoding=MappingProxyType({"lossless": True, "exact": True, "quality": 25, "method": 0}),
+    encoding=(("lossless", True), ("exact", True), ("quality", 25), ("method", 0)),
 )
 GIF: Final = Format(name="GIF", codec="raster", pillow="GIF", plugin="GifImagePlugin")
 PNM: Final = Format(

@@ -30,6 +30,9 @@ __all__ = ["decode", "decode_indices", "read", "read_bytes"]
 _BYTES_PER_PIXEL: Final = 4
 """Of the largest picture that is read; no stream is read any further."""
 
+_MOST_BYTES_PER_PIXEL: Final = 16
+"""Four floats."""
+
 _PIECE: Final = 1 << 22
 _UNKNOWN: Final = 1 << 28
 """Bytes of a stream that is no picture but may be the text of a mask."""
@@ -72,6 +75,10 @@ def decode(data: bytes, name: str) -> Picture:
         pixels, alpha = np.ascontiguousarray(pixels[..., :-1]), np.ascontiguousarray(pixels[..., -1])
     if pixels.ndim == 3 and pixels.shape[2] == 1:
         pixels = pixels[..., 0]
+    if pixels.dtype == np.float32:
+        strange = pixels.size - np.count_nonzero(np.isfinite(pixels))
+        if strange:
+            asked().notices.append(f"{name} has {strange:,} values that are NaN or infinite")
     return Picture(
         name=name, pixels=pixels, alpha=alpha, palette=decoded.palette, metadata=decoded.metadata.of_upright()
     )
@@ -146,6 +153,7 @@ def read_bytes(path: Path) -> bytes:
         with open(path, "rb") as file:
             kind = os.fstat(file.fileno()).st_mode
             if stat.S_ISREG(kind):
+                _refuse_stuffed(file.fileno(), str(path))
                 return file.read()
             if stat.S_ISFIFO(kind):
                 return _stream(file, str(path))
@@ -155,7 +163,42 @@ def read_bytes(path: Path) -> bytes:
         raise InputError(f"{path}: a folder, not a picture") from error
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror})") from error
+    except MemoryError as error:
+        raise InputError(f"{path}: not enough memory to read it") from error
     raise InputError(f"{path}: not a file with a picture in it")  # a device, which may never end
+
+
+def _refuse_stuffed(descriptor: int, name: str) -> None:
+    """Refuse a large file that cannot be a picture, or is mostly nothing, before memory is asked for."""
+    size = os.fstat(descriptor).st_size
+    if size <= _UNKNOWN:
+        return
+    with open(descriptor, "rb", closefd=False, buffering=0) as file:
+        _recognised(file.read(16), name)
+        file.seek(0)
+    if size > asked().largest * _MOST_BYTES_PER_PIXEL:
+        raise InputError(
+            f"{name}: {size:,} bytes are more than {asked().largest:,} pixels take; --max-pixels allows more"
+        )
+    if _written(descriptor, size) < size // 2:
+        raise InputError(f"{name}: damaged, most of its {size:,} bytes were never written")
+
+
+def _written(descriptor: int, size: int) -> int:
+    """Bytes of a file that are no holes, as far as the system tells."""
+    if not hasattr(os, "SEEK_DATA"):
+        return size
+    written = place = 0
+    try:
+        while place < size:
+            begin = os.lseek(descriptor, place, os.SEEK_DATA)
+            place = os.lseek(descriptor, begin, os.SEEK_HOLE)
+            written += place - begin
+    except OSError:  # nothing but a hole up to the end
+        pass
+    finally:
+        os.lseek(descriptor, 0, os.SEEK_SET)
+    return written
 
 
 def _standard_input() -> bytes:

@@ -29,6 +29,7 @@ from poisson_cli.masks.points import parse_points
 from poisson_cli.masks.raster import count_near, decode_strength
 from poisson_cli.masks.shapes import draw_polygon
 from poisson_cli.settings import MaskFile, Polygon
+from poisson_cli.streams import STANDARD
 
 __all__ = ["Drawn", "decode_mask", "locate", "read_mask"]
 
@@ -78,7 +79,8 @@ def read_mask(file: MaskFile, canvas: Canvas, threshold: int) -> Drawn:
         If it cannot be read, is no mask, has no such part, or was made for a picture of another size.
     """
     path, part = locate(file)
-    return decode_mask(read_bytes(path), str(path), part, canvas, threshold)
+    name = "standard input" if str(path) == STANDARD else str(path)
+    return decode_mask(read_bytes(path), name, part, canvas, threshold)
 
 
 def locate(file: MaskFile) -> tuple[Path, str | None]:
@@ -87,10 +89,13 @@ def locate(file: MaskFile) -> tuple[Path, str | None]:
     Returns
     -------
     path : Path
-        The longest name that exists, when the text is cut at one of its colons or not at all; else the text.
+        The longest name that exists, when the text is cut at one of its colons or not at all; else the text. ``-`` is
+        the standard input.
     part : str or None
         What follows the colon.
     """
+    if file.name.startswith(f"{STANDARD}:") and not os.path.lexists(file.name):
+        return Path(STANDARD), file.name[len(STANDARD) + 1 :]
     end = len(file.name)
     while end > 0:
         if os.path.lexists(file.name[:end]):

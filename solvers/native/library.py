@@ -181,6 +181,10 @@ class Library:
             self._tell(volume, perf_counter() - start)
         return content
 
+    def is_kept(self, volume: Volume) -> bool:
+        """Whether a compiled volume lies where it is kept, and can be read."""
+        return self.shelf(volume).read() is not None
+
     def shelf(self, volume: Volume) -> "Shelf":
         """Where a compiled volume is kept, or will be."""
         from solvers.native import loading, store

@@ -25,6 +25,9 @@ ENDING = ".kernels"
 _MAGIC = b"poisson kernels 2\n"
 _DIGEST = 8
 
+# Others may read what one user has compiled: in a container, what the administrator has put into the image.
+_FOLDER_MODE, _FILE_MODE = 0o755, 0o644
+
 # Settings of numba that change what it generates.
 _SETTINGS = (
     "NUMBA_OPT",
@@ -67,7 +70,7 @@ def _make_folder(place: Path) -> None:
     if not place.is_dir():
         place.parent.mkdir(parents=True, exist_ok=True)
         with contextlib.suppress(FileExistsError):
-            place.mkdir(mode=0o700)
+            place.mkdir(mode=_FOLDER_MODE)
     status = os.stat(place)
     if not stat.S_ISDIR(status.st_mode):
         raise Refused(f"{place} is not a folder")
@@ -159,7 +162,7 @@ class Shelf:
         try:
             _make_folder(self.path.parent)
             descriptor = os.open(
-                temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o600
+                temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), _FILE_MODE
             )
             try:
                 with open(descriptor, "wb") as file:
@@ -197,7 +200,7 @@ class Shelf:
         try:
             _make_folder(self.path.parent)
             flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW
-            descriptor = os.open(self.path.parent / ".lock", flags, 0o600)
+            descriptor = os.open(self.path.parent / ".lock", flags, _FILE_MODE)
         except (OSError, Refused):
             return None
         end = monotonic() + PATIENCE

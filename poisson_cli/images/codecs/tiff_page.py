@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 from dataclasses import dataclass
 from fractions import Fraction
@@ -58,6 +59,10 @@ _OTHERS: Final = {
     33003: "JPEG 2000", 33005: "JPEG 2000", 34712: "JPEG 2000", 34676: "LogLuv", 34677: "LogLuv", 34887: "LERC",
     34933: "PNG", 34934: "JPEG XR", 22610: "JPEG XR", 50001: "WebP", 50002: "JPEG XL", 52546: "JPEG XL",
 }  # fmt: skip
+
+_TOLD: Final = 270
+_PLAN: Final = re.compile(rb'\s*(\{"shape":|ImageJ=|<\?xml.{0,2000}<OME|<OME)', re.DOTALL)
+"""Descriptions that tell programs of science how the numbers of a file are laid out: not true of the output."""
 
 _INKS: Final = {3: "palette", 5: "CMYK", 6: "YCbCr", 8: "CIE-Lab", 32844: "LogLuv", 32845: "LogLuv"}
 _INCHES: Final = {2: 1.0, 3: 2.54}  # inches per unit of length, upside down
@@ -179,6 +184,9 @@ class Page:
         """What the page holds beside the pixels."""
         order = self.layout.order
         kept = {tag: entry for tag, entry in self.tags.items() if tag in DESCRIPTION}
+        told = kept.get(_TOLD)
+        if isinstance(told, Entry) and _PLAN.match(told.data):
+            del kept[_TOLD]
         exif = None
         if kept:
             mark = b"II*\0" if order == "<" else b"MM\0*"
