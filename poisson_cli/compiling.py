@@ -20,9 +20,20 @@ def announce(*, quiet: bool) -> None:
     ----------
     quiet
         Compile in silence.
-    """
-    from solvers.kernels.policy import library
 
+    Raises
+    ------
+    InputError
+        If ``POISSON_KERNELS`` asks for something else than there is.
+    """
+    from poisson_cli.errors import InputError
+    from solvers.kernels.policy import library
+    from solvers.native.library import mode
+
+    try:
+        mode()
+    except ValueError as error:
+        raise InputError(str(error)) from error
     library.helpers = True
     library.listener = None if quiet else functools.partial(_say, library)
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from poisson_cli import answering, editing, images, interrupts, steps
 from poisson_cli.errors import InputError
 from poisson_cli.images import Asking, Depth, Picture, Target
-from poisson_cli.images.depth import DTYPES
+from poisson_cli.images.depth import DTYPES, full_scale
 from poisson_cli.masks import Canvas, leave_out_transparent, select
 from poisson_cli.settings import Edges, Job
 
@@ -338,11 +338,12 @@ def _is_finer(depth: Depth, other: Depth) -> bool:
 
 
 def _stand_in(picture: Picture, depth: Depth | None) -> Picture:
-    """A picture of that size and depth that holds no values: for what must be known before there is one."""
+    """A picture of that size and depth, as opaque, that holds no values: for what must be known before there is one."""
     if depth is None:
         return picture
     nothing = DTYPES[depth].type(0)
-    alpha = None if picture.alpha is None else np.broadcast_to(nothing, picture.alpha.shape)
+    opacity = DTYPES[depth].type(full_scale(depth) if picture.opaque else 0)
+    alpha = None if picture.alpha is None else np.broadcast_to(opacity, picture.alpha.shape)
     return picture._replace(pixels=np.broadcast_to(nothing, picture.pixels.shape), alpha=alpha)
 
 

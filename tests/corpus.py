@@ -15,6 +15,8 @@ import multiprocessing
 import os
 import resource
 import struct
+import subprocess
+import sys
 import tempfile
 import time
 import zlib
@@ -264,6 +266,9 @@ def main() -> int:
     )
     parser.add_argument("--only", default="", help="kinds whose name begins with this")
     arguments = parser.parse_args()
+    subprocess.run(
+        [sys.executable, "-m", "poisson_cli", "warmup", "-q"], check=True
+    )  # else the first run would tell
     spawn = multiprocessing.get_context("spawn")
     total = failures = 0
     for name in [*KINDS, *BOMBS]:

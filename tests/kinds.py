@@ -338,12 +338,12 @@ KINDS: dict[str, Callable[[], Kind]] = {
         GREY_ALPHA[..., 0],
         GREY_ALPHA[..., 1],
     ),
-    "TIFF, grey with alpha, 8 bits, planar, LZW": lambda: Kind(
+    "TIFF, grey with alpha, 8 bits, planar, Deflate": lambda: Kind(
         tiff(
             planar(GREY_ALPHA),
             photometric="minisblack",
             planarconfig="separate",
-            compression="lzw",
+            compression="zlib",
             **STRAIGHT,
         ),
         GREY_ALPHA[..., 0],

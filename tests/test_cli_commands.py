@@ -430,7 +430,7 @@ def test_one_line_says_what_was_done(folder, poisson):
     assert (rows.min(), np.ptp(rows) + 1, cols.min(), np.ptp(cols) + 1) == (5, 15, 6, 19)
     ran = poisson(*CLONE, "--at", "-2,3", "-o", "out.png")
     assert re.fullmatch(
-        rf"clone: {MASK.sum():,} pixels at 4,8 \(19x15\), multigrid F x \d+, error < 0\.000\d levels, "
+        rf"clone: {MASK.sum():,} pixels at 4,8 \(19x15\), multigrid F x \d+, error < 0\.000\d+ levels, "
         r"(\d+ values? clipped, )?\d+ ms -> out\.png\n",
         ran.err,
     )

@@ -347,11 +347,13 @@ OUTPUT = {
     ),
     "alpha as jpeg": (
         "fill alpha.png -m dest-mask.png -o out.jpg".split(),
-        "out.jpg: JPEG cannot hold the 4 channels of alpha.png (RGB with alpha); PNG, TIFF and WebP can",
+        "out.jpg: JPEG cannot hold the 4 channels of alpha.png (RGB with alpha, transparent in places); PNG, "
+        "TIFF and WebP can",
     ),
     "grey alpha as bmp": (
         "fill grey-alpha.png -m dest-mask.png -o out.bmp".split(),
-        "out.bmp: BMP cannot hold the 2 channels of grey-alpha.png (grey with alpha); PNG, TIFF and WebP can",
+        "out.bmp: BMP cannot hold the 2 channels of grey-alpha.png (grey with alpha, transparent in "
+        "places); PNG, TIFF and WebP can",
     ),
     "edges exist": ([*FLATTEN, "--show-edges", "grey.png"], "grey.png: exists already; add --overwrite"),
     "edges as the result": (

@@ -663,6 +663,22 @@ def test_what_a_format_cannot_hold_is_refused_by_the_writer_too(tmp_path):
     assert names(tmp_path) == []
 
 
+@pytest.mark.parametrize("name", ["a.jpg", "a.bmp", "a.ppm", "a.pfm"])
+def test_an_alpha_that_is_opaque_everywhere_is_no_obstacle(folder, poisson, name):
+    """Screenshots and animations have one; nothing is lost without it."""
+    opaque = np.dstack((RGB, np.full_like(RGB[..., 0], 255)))
+    Path("opaque.png").write_bytes(encoded(opaque))
+    depth = ["--bit-depth", "float"] if name == "a.pfm" else []
+    assert poisson("fill", "opaque.png", "--rect", "2,2,5,5", *depth, "-o", name).code == 0
+    assert images.read(Path(name)).channels == 3
+    assert poisson("fill", "opaque.png", "--rect", "2,2,5,5", "-o", "a.png").code == 0
+    assert (images.read(Path("a.png")).alpha == 255).all()
+    opaque[7, 8, 3] = 254
+    Path("opaque.png").write_bytes(encoded(opaque))
+    ran = poisson("fill", "opaque.png", "--rect", "2,2,5,5", *depth, "--overwrite", "-o", name)
+    assert (ran.code, "(RGB with alpha, transparent in places)" in ran.err) == (4, True)
+
+
 @pytest.mark.parametrize("form", [formats.JPEG, formats.WEBP], ids=by_name)
 def test_quality_trades_size_for_exactness(tmp_path, form):
     sizes, errors = [], []

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from poisson_cli import images
 from poisson_cli.errors import InputError
 from poisson_cli.images import Picture
 from poisson_cli.masks import Canvas, draw_polygon, read_mask
@@ -233,9 +234,14 @@ def test_labels_of_labelme(canvas, label):
 
 
 def test_all_shapes_of_labelme(canvas):
-    save({"shapes": LABELME["shapes"][:-1]})
     union = np.logical_or.reduce(list(labelme_by_hand().values()))
-    np.testing.assert_array_equal(drawn(canvas, "a.json"), union)
+    save(LABELME)
+    with images.asking() as asking:
+        np.testing.assert_array_equal(drawn(canvas, "a.json"), union)
+    assert asking.notices == [
+        "left out, because only areas can be selected: 1 of the shapes, for one "
+        'shape 6 ("wire") is a "line" of 2 points, which has no inside'
+    ]
 
 
 def changed(**keys: object) -> dict:
@@ -251,7 +257,12 @@ def changed(**keys: object) -> dict:
             "a.json:tail",
             'no shape has the label "tail"; the labels are: "bits", "eye", "old", "wing", "w',
         ),
-        (LABELME, "a.json", 'shape 6 ("wire") is a "line" of 2 points, which has no inside'),
+        (LABELME, "a.json:wire", 'shape 6 ("wire") is a "line" of 2 points, which has no inside'),
+        (
+            {"shapes": [{"label": "a", "shape_type": "point", "points": [[1, 2]]}] * 2},
+            "a.json",
+            'shape 2 ("a") is a "point" of 1 points, which has no inside',
+        ),
         (
             {**LABELME, "imageWidth": 48, "imageHeight": 40},
             "a.json",

@@ -143,6 +143,18 @@ def test_the_first_run_says_once_that_it_compiles(monkeypatch, capsys):
     ]
 
 
+@pytest.mark.parametrize(
+    "words", [("fill", "destination.png", "--rect", "9,9,9,9", "-o", "out.png"), ("warmup",)]
+)
+def test_a_way_to_run_kernels_that_is_none_is_refused(poisson, folder, monkeypatch, words):
+    monkeypatch.setenv("POISSON_KERNELS", "fast")
+    ran = poisson(*words)
+    assert (ran.code, ran.out) == (3, "")
+    assert ran.err == (
+        "poisson: error: POISSON_KERNELS is 'fast', but must be one of native, numba, python\n"
+    )
+
+
 def test_warmup_compiles_nothing_that_it_cannot_keep(poisson, monkeypatch, tmp_path):
     place = tmp_path / "open"
     place.mkdir()

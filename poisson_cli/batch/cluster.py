@@ -101,13 +101,13 @@ def _connected(scheduler: str, processes: int | None, stack: ExitStack) -> Clien
 
     try:
         if scheduler == LOCAL:
-            from solvers.team import available_cores
+            from poisson_cli.batch.running import cores
 
             # A process that is half awake would complain about a Ctrl-C.
             with dask.config.set({"distributed.scheduler.allowed-failures": 0}), deaf(), alone():
                 cluster = stack.enter_context(
                     distributed.LocalCluster(
-                        n_workers=processes or available_cores(),
+                        n_workers=processes or cores(),
                         threads_per_worker=1,
                         dashboard_address=None,
                         silence_logs=logging.CRITICAL,

@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Final
 
+from poisson_cli.batch import groups
 from poisson_cli.batch.task import Task
 from poisson_cli.images.depth import Depth
 from poisson_cli.images.size import Size, peek
@@ -102,7 +103,7 @@ def _spans(area: Area) -> Iterator[tuple[float, float, int]]:
 
 def available() -> int:
     """Bytes that a batch may use: a share of what is free, and of what its group of processes may use."""
-    least = min(_free(), _group_room(Path("/proc/self/cgroup"), Path("/sys/fs/cgroup")))
+    least = min(_free(), groups.memory())
     return sys.maxsize if math.isinf(least) else int(SHARE * least)
 
 
@@ -117,54 +118,6 @@ def _free() -> float:
         return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     except (AttributeError, ValueError, OSError):
         return math.inf  # a system that does not tell
-
-
-def _group_room(membership: Path, root: Path) -> float:
-    """What a container, or a job of a cluster, may still take (Linux, control groups of both kinds).
-
-    Parameters
-    ----------
-    membership
-        The file that tells the groups of this process.
-    root
-        Where they are mounted.
-    """
-    try:
-        lines = [line.split(":", 2) for line in membership.read_text().splitlines()]
-    except OSError:
-        return math.inf
-    room = math.inf
-    for _, controllers, name in lines:
-        if controllers and "memory" not in controllers.split(","):
-            continue
-        top = root / "memory" if controllers else root
-        # Seen from inside a container, a group may lie at the top, whatever its name is outside.
-        group = top / name.lstrip("/") if (top / name.lstrip("/")).is_dir() else top
-        for folder in (group, *group.parents):  # a limit of any of them holds for all below
-            room = min(room, _room(folder))
-            if folder == top:
-                break
-    return room
-
-
-def _room(group: Path) -> float:
-    """What one group of processes may still take; inf if it has no limit."""
-    for limit, used in (
-        ("memory.max", "memory.current"),
-        ("memory.limit_in_bytes", "memory.usage_in_bytes"),  # of the first kind
-    ):
-        try:
-            most = float((group / limit).read_text().strip().replace("max", "inf"))
-            now = float((group / used).read_text())
-            kept = dict(line.split() for line in (group / "memory.stat").read_text().splitlines())
-        except (OSError, ValueError):
-            continue
-        # What is kept of files, only because there is room for it, counts as used, but makes way.
-        files = sum(
-            float(kept.get(f"total_{name}", kept.get(name, 0))) for name in ("inactive_file", "active_file")
-        )
-        return max(0.0, most - now + min(files, now))
-    return math.inf
 
 
 def said(size: int) -> str:

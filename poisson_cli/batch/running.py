@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Generator, Sequence
 from pathlib import Path
 
+from poisson_cli.batch import groups, outputs
 from poisson_cli.batch import memory as memory_
-from poisson_cli.batch import outputs
 from poisson_cli.batch.task import Result, Task
 
-__all__ = ["folder_for", "results"]
+__all__ = ["cores", "folder_for", "results"]
 
 
 def folder_for(folder: str | Path, scheduler: str | None) -> str:
@@ -21,6 +22,13 @@ def folder_for(folder: str | Path, scheduler: str | None) -> str:
     if scheduler is not None:
         return os.path.abspath(folder or ".")
     return "" if str(folder) in ("", ".") else str(folder)
+
+
+def cores() -> int:
+    """How many jobs to do at a time by default: one for each core, or for each that a container may use."""
+    from solvers.team import available_cores
+
+    return max(1, math.ceil(min(available_cores(), groups.cores())))
 
 
 def results(
@@ -70,11 +78,10 @@ def results(
         yield from cluster.run(left, scheduler, at_a_time=workers, keep_going=keep_going, begins=begins)
         return
     from poisson_cli.batch import pool
-    from solvers.team import available_cores
 
     yield from pool.run(
         left,
-        workers=min(workers or available_cores(), len(left)),
+        workers=min(workers or cores(), len(left)),
         limit=memory or memory_.available(),
         keep_going=keep_going,
         timeout=timeout,

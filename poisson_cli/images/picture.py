@@ -6,7 +6,7 @@ from typing import Any, Final, NamedTuple
 
 from numpy.typing import NDArray
 
-from poisson_cli.images.depth import Conversion, Depth, convert, depth_of
+from poisson_cli.images.depth import Conversion, Depth, convert, depth_of, full_scale
 from poisson_cli.images.metadata import Metadata
 
 __all__ = ["Picture"]
@@ -55,6 +55,11 @@ class Picture(NamedTuple):
         """Channels, alpha included: 1 to 4."""
         colours = 1 if self.pixels.ndim == 2 else 3
         return colours + (self.alpha is not None)
+
+    @property
+    def opaque(self) -> bool:
+        """Whether no pixel is transparent, not even a little."""
+        return self.alpha is None or bool((self.alpha >= full_scale(self.depth)).all())
 
     @property
     def layout(self) -> str:

@@ -66,18 +66,19 @@ class Target(NamedTuple):
         Raises
         ------
         OutputError
-            If it has more channels than the format, longer sides, or another depth.
+            If it has more channels than the format, longer sides, or another depth. An alpha channel that is opaque
+            everywhere does not count: nothing is lost without it.
         """
         form = self.form
         if self.grey and picture.pixels.ndim == 3:
             raise OutputError(
                 f"{self.name}: a PGM is grey, and {picture.name} is {picture.layout}; name it .ppm"
             )
-        if picture.alpha is not None and not form.alpha:
+        if not form.alpha and not picture.opaque:
             able = listed(tuple(known for known in WRITTEN if known.alpha and picture.depth in known.depths))
             raise OutputError(
                 f"{self.name}: {form.name} cannot hold the {picture.channels} channels of {picture.name} "
-                f"({picture.layout}); {able} can"
+                f"({picture.layout}, transparent in places); {able} can"
             )
         if picture.depth not in form.depths:
             able = listed(tuple(known for known in WRITTEN if picture.depth in known.depths))

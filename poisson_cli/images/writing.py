@@ -93,6 +93,8 @@ def encode(picture: Picture, form: Format, quality: int | None = None) -> bytes:
     OutputError
         If the format needs a package that is not there, or cannot hold this picture.
     """
+    if picture.alpha is not None and not form.alpha and picture.opaque:
+        picture = picture._replace(alpha=None)
     if picture.pixels.ndim == 2 and not form.grey:
         picture = picture._replace(pixels=np.repeat(picture.pixels[..., np.newaxis], 3, axis=2))
     metadata = fitting(picture.metadata, form)[0].of_size(*picture.shape)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from poisson_cli.errors import InputError
 from poisson_cli.images import decode
+from poisson_cli.images.demands import asked
 from poisson_cli.masks.annotations.document import choices, coordinates, items, mapping, picture_size, shown
 from poisson_cli.masks.canvas import Canvas
 from poisson_cli.masks.raster import strength
@@ -20,6 +21,8 @@ from poisson_cli.masks.runs import paint
 from poisson_cli.masks.scan import polygon_runs
 
 __all__ = ["draw_labelme"]
+
+_FLAT: Final = ("point", "points", "line", "linestrip")
 
 _PNG: Final = b"\x89PNG\r\n\x1a\n"
 
@@ -44,7 +47,8 @@ def draw_labelme(document: dict[str, Any], label: str | None, canvas: Canvas) ->
     Raises
     ------
     InputError
-        If the file is damaged or for another picture, no shape has that label, or one has no inside.
+        If the file is damaged or for another picture, no shape has that label, one of those that have it has no inside,
+        or none at all has one.
     """
     height, width = document.get("imageHeight"), document.get("imageWidth")
     if height is not None or width is not None:  # other writers leave them out
@@ -59,6 +63,7 @@ def draw_labelme(document: dict[str, Any], label: str | None, canvas: Canvas) ->
     mask = np.zeros(canvas.shape, np.bool_)
     polygons = []
     circles = []
+    flat: list[str] = []
     for number, shape in enumerate(shapes, start=1):
         if label is not None and shape.get("label") != label:
             continue
@@ -75,7 +80,13 @@ def draw_labelme(document: dict[str, Any], label: str | None, canvas: Canvas) ->
         elif kind in ("polygon", "rectangle") and len(points) >= 3:
             polygons.append(points)
         else:
-            raise InputError(f"{what} is a {shown(kind)} of {len(points)} points, which has no inside")
+            flat.append(f"{what} is a {shown(kind)} of {len(points)} points, which has no inside")
+            if label is not None or kind not in _FLAT or len(flat) == len(shapes):
+                raise InputError(flat[-1])
+    if flat:
+        asked().notices.append(
+            f"left out, because only areas can be selected: {len(flat):,} of the shapes, for one {flat[0]}"
+        )
     runs = [polygon_runs(polygons, canvas.shape), *(_circle_runs(points, canvas.shape) for points in circles)]
     starts, ends = (np.concatenate(side) for side in zip(*runs, strict=True))
     mask |= paint(starts, ends, mask.size).reshape(mask.shape)
