@@ -70,7 +70,9 @@ def _size(data: mmap.mmap, form: Format) -> tuple[int, int]:
     if form is EXR:
         return _size_of_exr(data)
     if form.pillow and form is not TIFF:
-        with warnings.catch_warnings():
+        from poisson_cli.images.codecs.pillow import unlimited
+
+        with warnings.catch_warnings(), unlimited():
             warnings.simplefilter("ignore")
             with Image.open(data, formats=[form.pillow]) as image:  # type: ignore[arg-type]
                 return image.height, image.width
