@@ -1,7 +1,6 @@
 """Multigrid: V-, F- and W-cycles on a region of any shape; its narrow parts are solved directly."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -163,7 +162,7 @@ def certified(result: SolveResult, problem: PoissonProblem, correct: Correct, te
     """The result with a proven bound of its error; `correct` is what it was made with."""
     precise = corrected(problem, correct, team, np.float64)
     bound = proven_error(problem, precise, result.solution, _propose(team.threads))
-    return replace(result, error_bound=bound)
+    return result._replace(error_bound=bound)
 
 
 def _propose(threads: int) -> Solver:

@@ -1,7 +1,7 @@
 """What a solver returns."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from solvers.canvas import Values
 
@@ -9,8 +9,7 @@ Progress = Callable[[int, float], None]
 """Told while a solver iterates: cycles or sweeps so far, and the estimate of the largest error, in levels."""
 
 
-@dataclass(frozen=True)
-class SolveResult:
+class SolveResult(NamedTuple):
     """A solution of eq. (7) and how far it can be trusted.
 
     Attributes

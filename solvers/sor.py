@@ -1,6 +1,5 @@
 """Red-black Gauss-Seidel with successive over-relaxation."""
 
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -136,7 +135,7 @@ def solve_sor(
             iterations_per_step=sweeps,
             progress=progress,
         )
-        result = replace(result, advice=_advice(result.iterations, problem.unknowns * channels))
+        result = result._replace(advice=_advice(result.iterations, problem.unknowns * channels))
         return certified(result, problem, correction.adding(), team) if certify else result
 
 
