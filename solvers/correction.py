@@ -102,7 +102,7 @@ class Correction:
     def next_stage(self) -> None:
         """total <- total + x, b <- b - A x, x <- 0."""
         where = self.hierarchy.table, self.problem.channels
-        if self.exact and self._first:  # total is zero
+        if self._first and self.exact:  # total is zero
             self._residual(keep=False)
             self.team.run(kernels.move, [(self.total, self.x, piece, *where) for piece in self._pieces])
         else:

@@ -95,29 +95,37 @@ class Cycling:
         if self.names[-1] in STRONGER:
             self.names.append(STRONGER[self.names[-1]])
 
-    def run(self, x: Float32, b: Float32, cycles: int = 1) -> list[float]:
-        """Some cycles for A x = b, in place; returns a bound of the largest change of any black pixel in each."""
+    def run(self, x: Float32, b: Float32, cycles: int = 1) -> Iterator[float]:
+        """Some cycles for A x = b, in place, as far as the result is gone through.
+
+        Tells of each, as it ends, a bound of the largest change of any black pixel.
+        """
         h, coarsest = self.hierarchy, self.hierarchy.coarsest
         fields = x, b, h.weight, h.diagonal, h.edge_e, h.edge_s, coarsest.band, coarsest.cells
         changes = np.zeros((self.team.threads, cycles + 1, 3), np.int32)
         plan = (self.names[-1], cycles)
         if plan not in self._plans:
             self._plans[plan] = self._plan(*plan)
-        for call in self._plans[plan]:
+        calls = self._plans[plan]
+        done = 0
+        for k, call in enumerate(calls):
             parts = [
                 (mine, *fields, scratch, self.scratch64, h.runs, h.segments, h.table, steps, self.channels)
                 for mine, scratch, steps in zip(changes, self.scratch, call, strict=False)
             ]
             self.team.run(kernels.run_steps, parts)
-        largest = changes.max(0)[:cycles].view(np.float32).sum(1, dtype=np.float64)
-        return [float(change) for change in largest]
+            following = int(calls[k + 1][0][0, kernels.CYCLE]) if k + 1 < len(calls) else cycles
+            for number in range(done, following):
+                largest = changes[:, number].max(0)
+                yield float(largest.view(np.float32).sum(dtype=np.float64))
+            done = following
 
     def _plan(self, cycle: Cycle, cycles: int) -> list[list[NDArray[np.int64]]]:
         """The calls of some cycles: of each, the steps for every thread that takes part."""
         coarsest = self.hierarchy.n_levels - 1
         if self.n_large == 0:
             return [[_by_one_thread(cycle, coarsest, cycles)]]
-        bands = [_bands(self.hierarchy, level, self.team) for level in range(self.n_large)]
+        bands = [_bands(self.hierarchy, level, self.channels, self.team) for level in range(self.n_large)]
         calls: list[list[NDArray[np.int64]]] = []
         alone: list[list[int]] = []  # steps for a single thread
         for kind, level, number in journey(cycle, coarsest, cycles):
@@ -180,8 +188,8 @@ class _Shrinking:
     first: int
 
 
-def _bands(hierarchy: Hierarchy, level: int, team: Team) -> list[_Shrinking]:
-    """A large level's bands, one for each thread.
+def _bands(hierarchy: Hierarchy, level: int, channels: int, team: Team) -> list[_Shrinking]:
+    """A large level's bands.
 
     Each operation reads the neighbours of what it changes, as they were left by the one before it.  In a wave over a
     band it must therefore leave out what has neighbours where the one before it has not been.
@@ -203,7 +211,7 @@ def _bands(hierarchy: Hierarchy, level: int, team: Team) -> list[_Shrinking]:
         return a, max(a, b)
 
     shrinking = []
-    for band in team.bands(ends - starts, first):
+    for band in team.bands(ends - starts, first, channels * hierarchy.unknowns[level]):
         ranges = [band]
         while len(ranges) < N_OPERATIONS:
             low, high = ranges[-1]

@@ -170,9 +170,10 @@ def build_hierarchy(
 
     # Each operation writes at the places of its own runs or segments, and reads what the one before it left.
     size, stride = field_size(table, 1), int(table[0, STRIDE])
-    weight, diagonal = arena.zeros(size), arena.zeros(size)
+    coarse_size = size - int(table[1, OFFSET])
+    weight, diagonal, edge_e, edge_s = arena.zeros_each(size, size, coarse_size, coarse_size)
+    conductances = edge_e, edge_s, *arena.zeros_each(*[coarse_size] * 4)  # leaks are of no use later
     mass = arena.zeros(size if screening > 0 else 0)
-    conductances = [arena.zeros(size - int(table[1, OFFSET])) for _ in range(6)]
     unknowns = np.zeros(len(table) - 1, np.int64)
     unknowns[0] = np.count_nonzero(region)
     parts = team.pieces(runs[: table[1, FIRST_RUN]], 1, int(unknowns[0]))
@@ -213,10 +214,10 @@ def build_hierarchy(
         segments[: table[-1, FIRST_SEGMENT]],
         weight,
         diagonal,
-        conductances[0],
-        conductances[1],
+        edge_e,
+        edge_s,
         tuple(unknowns[:n_levels].tolist()),
-        _factor(diagonal, conductances[0], conductances[1], table, int(unknowns[n_levels - 1])),
+        _factor(diagonal, edge_e, edge_s, table, int(unknowns[n_levels - 1])),
     )
 
 

@@ -4,6 +4,7 @@ A fresh array costs a page fault per 4 KiB when it is first written, which for a
 the whole solve.  Someone who edits many pictures gives the same memory back and takes it again.
 """
 
+import itertools
 import math
 import sys
 import threading
@@ -33,6 +34,12 @@ class Arena:
         used[:size] = 0
         return self._lend(used, size)
 
+    def zeros_each(self, *sizes: int) -> list[Float32]:
+        """Arrays of zeros that live equally long; the sizes are multiples of `LANES`, so that each begins on a line."""
+        whole = self.zeros(sum(sizes))
+        ends = itertools.accumulate(sizes)
+        return [whole[end - size : end] for size, end in zip(sizes, ends, strict=True)]
+
     def integers(self, *shape: int) -> NDArray[np.int32]:
         """An array of int32, no matter which."""
         return self._anything(math.prod(shape)).view(np.int32).reshape(shape)
@@ -47,8 +54,8 @@ class Arena:
 
     def _idle_block(self, size: int) -> Float32 | None:
         """The smallest one that is large enough."""
-        fitting = [at for at, block in enumerate(self._idle) if block.size >= size]
-        return self._idle.pop(min(fitting, key=lambda at: self._idle[at].size)) if fitting else None
+        fitting = [(block.size, at) for at, block in enumerate(self._idle) if block.size >= size]
+        return self._idle.pop(min(fitting)[1]) if fitting else None
 
     def _lend(self, block: Float32, size: int) -> Float32:
         self._lent.append(block)

@@ -9,7 +9,7 @@ So the solution is found in stages.  A stage solves A x = b in float32 until x i
 and the next stage solves for what is left, which is smaller by as many digits, and so are its rounding errors.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
@@ -22,7 +22,7 @@ FULL_SCALE = 255.0
 
 def solve_in_stages(
     correction: Correction,
-    iterate: Callable[[int], list[float]],
+    iterate: Callable[[int], Iterable[float]],
     estimate: Callable[[list[float]], float],
     *,
     tolerance: float,
@@ -39,7 +39,7 @@ def solve_in_stages(
     Parameters
     ----------
     iterate : callable
-        So many steps on ``correction.x``; returns the largest change of any value by each.
+        So many steps on ``correction.x``; tells as they go the largest change of any value by each.
     estimate : callable
         The error after the last of a stage's changes.
     tolerance : float

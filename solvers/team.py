@@ -79,11 +79,15 @@ class Team:
         """Whether so much work is to be cut into pieces."""
         return values >= (WORTH_SHARING if self.threads > 1 else LONG_CALL)
 
-    def bands(self, sizes: NDArray[np.int64], first: int = 0) -> list[Band]:
-        """Ranges that split items of these sizes into as many parts as there are threads; `first` is added to both."""
-        if self.threads == 1 or len(sizes) < 2 * self.threads:
+    def bands(self, sizes: NDArray[np.int64], first: int = 0, values: int = 0) -> list[Band]:
+        """Ranges that split items of these sizes into one part for each thread; `first` is added to both ends.
+
+        Where they hold very many `values` there are several parts for each thread, so that none takes long.
+        """
+        parts = self.threads * max(1, -(-values // (LONG_CALL * self.threads)))
+        if parts == 1 or len(sizes) < 2 * parts:
             return [(first, first + len(sizes))]
-        return [(first + low, first + high) for low, high in _cut(sizes, self.threads)]
+        return [(first + low, first + high) for low, high in _cut(sizes, parts)]
 
     def pieces(self, stretches: NDArray[Any], column: int, values: int) -> list[NDArray[Any]]:
         """Runs or segments in slices of about equally many places, for `run`.

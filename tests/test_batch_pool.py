@@ -3,6 +3,7 @@
 import functools
 import os
 import signal
+import struct
 import time
 from pathlib import Path
 
@@ -209,6 +210,26 @@ def test_an_estimate_grows_with_the_pictures_and_never_fails(tmp_path):
     nothing = of("no.png")
     assert nothing == of("broken.png") == of("pipe.png") == memory.WORKER
     assert nothing < of("100.png") < of("100.png", "200.png") < of("200.png", "200.png")
+
+
+@pytest.mark.parametrize("order", "<>")
+@pytest.mark.parametrize("big", [False, True])
+def test_every_tiff_says_how_large_it_is(tmp_path, order, big):
+    """Of both orders of bytes, with places of 4 and of 8 bytes, and its directory at the end."""
+    magic = b"II" if order == "<" else b"MM"
+    entries = [(256, 40), (257, 30)]
+    if big:
+        head = magic + struct.pack(f"{order}HHHQ", 43, 8, 0, 100)
+        directory = struct.pack(f"{order}Q", 2) + b"".join(
+            struct.pack(f"{order}HHQQ", tag, 16, 1, value) for tag, value in entries
+        )
+    else:
+        head = magic + struct.pack(f"{order}HI", 42, 100)
+        directory = struct.pack(f"{order}H", 2) + b"".join(
+            struct.pack(f"{order}HHII", tag, 4, 1, value) for tag, value in entries
+        )
+    (tmp_path / "a.tif").write_bytes(head.ljust(100, b"\0") + directory + bytes(8))
+    assert peek(tmp_path / "a.tif") == (30, 40, "float")
 
 
 SHAPES = {

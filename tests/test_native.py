@@ -30,14 +30,16 @@ last8 = tiny.scale(out8, values.astype(np.float64), 0.7)
 roots = np.empty(6)
 tiny.flatten(roots, np.arange(12.0).reshape(2, 2, 3), 1)
 low, high = tiny.extremes(values[1])
+smoothed, line = np.zeros(21, np.float32), values.reshape(-1)
+second = tiny.smooth(smoothed, line, line[::-1].copy())
 flags = bool(tiny.every(np.ones(4, np.bool_), True)), bool(tiny.every(np.ones(4, np.bool_), False))
 strided = np.zeros((3, 14), np.float32)[:, ::2]
 strided[:] = values
 out_strided = np.empty(3, np.float32)
 if len(sys.argv) > 1:
     tiny.scale(out_strided, strided, np.float32(0.7))
-numbers = (np.float32(last), np.float64(last8), np.float32(low), np.float32(high))
-print(b"".join(a.tobytes() for a in (out, out8, roots, *numbers)).hex(), *flags)
+numbers = (np.float32(last), np.float64(last8), np.float32(low), np.float32(high), np.float32(second))
+print(b"".join(a.tobytes() for a in (out, out8, roots, smoothed, *numbers)).hex(), *flags)
 print(out_strided.tobytes() == out.tobytes(), "numba" in sys.modules, len(heard), tiny.library.trouble, sep="|")
 """
 

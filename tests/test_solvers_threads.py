@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 import solvers.canvas
 from poisson_cli.editing import clone, fill, mix
 from solvers import Guidance, PoissonProblem, build_hierarchy, cycles, solve_multigrid, solve_sor, team
+from solvers.layout import aligned_zeros, field_size
 from solvers.memory import Arena
 from solvers.team import Team
 from tests.photographs import crop
@@ -78,6 +79,28 @@ def test_a_single_thread_that_goes_step_by_step(shape, monkeypatch):
     steps = solve_multigrid(problem, threads=1, direct=False)
     assert steps.solution.tobytes() == at_once.solution.tobytes()
     assert steps.history == at_once.history
+
+
+def test_large_levels_are_visited_in_calls_of_bounded_length_and_cycles_told_as_they_end(monkeypatch):
+    monkeypatch.setattr(team, "LONG_CALL", 100_000)
+    hierarchy = build_hierarchy(SHAPES["disk"](600, 600), Arena())
+    x, b = (aligned_zeros(field_size(hierarchy.table, 2)) for _ in range(2))
+    values = []  # of the finest level that a call changes, at most, with one of its operations
+    with Team(1, 1) as team_:
+
+        def run(operation, parts):
+            for *_, segments, _table, steps, channels in parts:
+                places = [0]
+                for step in steps[steps[:, 1] == 0]:
+                    ranges = [segments[a:e] for a, e in step[3:].reshape(-1, 2)]
+                    places += [int((r[:, 1] - r[:, 0]).sum()) for r in ranges]
+                values.append(4 * channels * max(places))
+            return [operation(*part) for part in parts]
+
+        monkeypatch.setattr(team_, "run", run)
+        told = [len(values) for _ in cycles.Cycling(hierarchy, "F", 2, team_).run(x, b, 3)]
+    assert 0 < told[0] < told[1] < told[2] == len(values)
+    assert max(values) <= 1.5 * team.LONG_CALL
 
 
 @pytest.mark.parametrize("shape", SHAPES)

@@ -13,6 +13,7 @@ library = Library(
         "flatten": ["f8[:], f8[:,:,:], i8"],
         "every": ["b1[:], b1 -> b1"],
         "halve": ["f4[:]"],
+        "smooth": ["f4[:], f4[:], f4[:] -> f4"],
     },
     further={"halve": ["f8[:]"]},
     options={"nogil": True, "error_model": "numpy", "boundscheck": False},
@@ -63,3 +64,17 @@ def every(flags, wanted):
 def halve(values):
     for i in range(values.shape[0]):
         values[i] /= 2
+
+
+@library.jit(independent=True, forceinline=True)
+def add_neighbours(out, values, weights):
+    """The arrays do not overlap."""
+    one = np.uint64(1)
+    for i in range(one, np.uint64(values.shape[0] - 1)):
+        out[i] = weights[i] * (values[i - one] + values[i + one])
+
+
+@library.jit()
+def smooth(out, values, weights):
+    add_neighbours(out, values, weights)
+    return out[1]

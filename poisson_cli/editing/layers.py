@@ -123,8 +123,11 @@ class Layer:
         """Stored values of single pixels of the window, as floats, (n, C)."""
         (north, _), (west, _) = self._padding
         height, width = self._picture.shape[:2]
-        part = self._picture[np.clip(row - north, 0, height - 1), np.clip(col - west, 0, width - 1)]
-        shown = np.broadcast_to(self._shown(part), (len(part), self._stored_channels))
+        if any(self._padding[0] + self._padding[1]):
+            row, col = np.clip(row - north, 0, height - 1), np.clip(col - west, 0, width - 1)
+        shown = self._shown(self._picture[row, col])
+        if shown.shape[1] != self._stored_channels:
+            shown = np.broadcast_to(shown, (len(shown), self._stored_channels))
         values: Values = shown.astype(self._stored_dtype)
         return values
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from poisson_cli.errors import InputError
-from solvers.canvas import bands
+from solvers.kernels.setup import find_rim
 
 MaskOn = Literal["source", "destination"]
 Pixels = tuple[NDArray[np.intp], NDArray[np.intp]]
@@ -63,13 +63,14 @@ class Placement:
     def boundary(self) -> Pixels:
         """Rows and columns of the window's pixels outside Omega with a 4-neighbour in it, row by row."""
         height, width = self.region.shape
-        rows, cols = [], []
-        for first, end in bands(0, height, width):  # what is looked at several times stays in the cache
-            near = _neighbours(self.region, first, end) & ~self.region[first:end]
-            row, col = np.divmod(np.flatnonzero(near), width)
-            rows.append(row + first)
-            cols.append(col)
-        return np.concatenate(rows), np.concatenate(cols)
+        words = np.zeros(width // 8 + 1, np.int64)
+        room = 4 * (height + width)  # enough for what a hand draws; if it is not, the count is known then
+        while True:
+            rows, cols = np.empty(room, np.int64), np.empty(room, np.int64)
+            count = int(find_rim(rows, cols, self.region, words, words.view(np.uint8)))
+            if count <= room:
+                return rows[:count], cols[:count]
+            room = count
 
     def boundary_on_source(self) -> Pixels:
         """Those of them that lie on the source."""
@@ -77,17 +78,6 @@ class Placement:
         (row, col), (height, width) = self.boundary, self.region.shape
         there = (north <= row) & (row < height - south) & (west <= col) & (col < width - east)
         return self.boundary if there.all() else (row[there], col[there])
-
-
-def _neighbours(region: NDArray[np.bool_], first: int, end: int) -> NDArray[np.bool_]:
-    """(end - first, w) bool: the pixels of these rows with a 4-neighbour in the region."""
-    own = region[first:end]
-    near = np.zeros_like(own)
-    near[int(first == 0) :] |= region[max(first - 1, 0) : end - 1]
-    near[: len(region) - 1 - first] |= region[first + 1 : end + 1]
-    near[:, 1:] |= own[:, :-1]
-    near[:, :-1] |= own[:, 1:]
-    return near
 
 
 def place(

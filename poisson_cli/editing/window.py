@@ -188,7 +188,9 @@ class Window:
         else:
             differences = self._destination.stored_at(*there) - self._source.stored_at(*there)
         level = tone.level(self._picture.dtype)
-        mismatch, shift = (d.mean(0, dtype=np.float64) / level for d in (np.abs(differences), differences))
+        by_channel = np.ascontiguousarray(differences.T, np.float64)  # sums along rows are the fast ones
+        shift = by_channel.mean(1) / level
+        mismatch = np.abs(by_channel, out=by_channel).mean(1) / level
         return tuple(mismatch.tolist()), tuple(shift.tolist())
 
     def outliers(self) -> float | None:

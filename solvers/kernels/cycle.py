@@ -54,18 +54,23 @@ def largest_of(a, b):
     return a if a > b else b
 
 
+@inlined
+def indices(size, stride, plane, quarter, at):
+    """Where a place of a quarter of the finest level lies: in the weights, in x, and its four neighbours in x."""
+    w = u(quarter * size + at)
+    own = u(plane + quarter * size + at)
+    north = u(plane + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride))
+    west = u(plane + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1))
+    return w, own, north, north + u(stride), west, west + u(1)
+
+
 # --- relaxation --------------------------------------------------------------------------------------------------
 
 
 @loops
 def relax_red(x, b, weight, size, stride, plane, quarter, at, n):
     """Gauss-Seidel on n places of a quarter of the finest level, from `at` on; the channel begins at `plane`."""
-    w = u(quarter * size + at)
-    own = u(plane + quarter * size + at)
-    north = u(plane + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride))
-    south = north + u(stride)
-    west = u(plane + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1))
-    east = west + u(1)
+    w, own, north, south, west, east = indices(size, stride, plane, quarter, at)
     for i in range(u(n)):
         x[own + i] = weight[w + i] * (b[own + i] + x[north + i] + x[south + i] + x[west + i] + x[east + i])
 
@@ -73,12 +78,7 @@ def relax_red(x, b, weight, size, stride, plane, quarter, at, n):
 @loops
 def relax_black(x, b, weight, size, stride, plane, quarter, at, n, omega):
     """The same, over-relaxed by `omega` (float32).  Returns the bit pattern of the largest absolute change."""
-    w = u(quarter * size + at)
-    own = u(plane + quarter * size + at)
-    north = u(plane + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride))
-    south = north + u(stride)
-    west = u(plane + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1))
-    east = west + u(1)
+    w, own, north, south, west, east = indices(size, stride, plane, quarter, at)
     largest = np.int32(0)
     for i in range(u(n)):
         around = b[own + i] + x[north + i] + x[south + i] + x[west + i] + x[east + i]
@@ -121,12 +121,7 @@ def relax_over(x, b, weight, segments, table, channels, colour, omega, first, en
         for k in range(first, end):
             at = segments[k, 0]
             for quarter in (colour, 3 - colour):
-                w = u(quarter * size + at)
-                own = u(plane + quarter * size + at)
-                north = u(plane + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride))
-                south = north + u(stride)
-                west = u(plane + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1))
-                east = west + u(1)
+                w, own, north, south, west, east = indices(size, stride, plane, quarter, at)
                 for i in range(u(segments[k, 1] - at)):
                     around = b[own + i] + x[north + i] + x[south + i] + x[west + i] + x[east + i]
                     x[own + i] += omega * (weight[w + i] * around - x[own + i])
@@ -173,12 +168,7 @@ def relax_segment(x, b, weight, edge_e, edge_s, segments, table, level, channels
 def residual_finest(scratch, x, b, weight, diagonal, size, stride, plane, quarter, at, n, to):
     """scratch[to : to + n] = residual of n places of one quarter of the finest level."""
     to = u(to)
-    w = u(quarter * size + at)
-    own = u(plane + quarter * size + at)
-    north = u(plane + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride))
-    south = north + u(stride)
-    west = u(plane + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1))
-    east = west + u(1)
+    w, own, north, south, west, east = indices(size, stride, plane, quarter, at)
     for i in range(u(n)):  # outside the region the sum means nothing, but weight and diagonal are zero there
         around = b[own + i] + x[north + i] + x[south + i] + x[west + i] + x[east + i]
         scratch[to + i] = diagonal[w + i] * (weight[w + i] * around - x[own + i])

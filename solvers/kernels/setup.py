@@ -549,3 +549,46 @@ def factor_coarsest(band, cells, number, diagonal, edge_e, edge_s, table, level)
                 band[count, count - before] = -edge
             count += 1
     factor_band(band)
+
+
+# --- the boundary ------------------------------------------------------------------------------------------------
+
+
+@loops
+def mark_rim(marks, region, at, above, below, width):
+    """marks = 1 where a pixel of a row is known and one above, below, left or right is not; all but both ends."""
+    at, above, below = u(at), u(above), u(below)
+    for i in range(u(1), u(width - 1)):
+        beside = region[at + i - u(1)] | region[at + i + u(1)]
+        near = region[above + i] | region[below + i] | beside
+        marks[i] = np.uint8(1) if near and not region[at + i] else np.uint8(0)
+
+
+@jit
+def find_rim(rows, cols, region, words, marks):
+    """Rows and columns of the known pixels with an unknown neighbour, row by row; returns how many there are.
+
+    rows, cols: (n,) int64, written as far as they go.  words: int64 zeros, enough for a row of bytes and one more.
+    marks: the same memory as bytes.
+    """
+    height, width = region.shape
+    flat = region.reshape(-1)
+    room, count = rows.shape[0], 0
+    for row in range(height):
+        at = row * width
+        # Where the image ends the pixel itself stands for the one beyond: it is not both known and unknown.
+        above, below = (at if row == 0 else at - width), (at if row == height - 1 else at + width)
+        mark_rim(marks, flat, at, above, below, width)
+        for col in (0, width - 1):
+            near = flat[above + col] | flat[below + col]
+            near |= (col > 0 and flat[at + col - 1]) | (col < width - 1 and flat[at + col + 1])
+            marks[col] = np.uint8(1) if near and not flat[at + col] else np.uint8(0)
+        for word in range((width + 7) // 8):
+            if words[word] == 0:
+                continue
+            for col in range(8 * word, min(8 * word + 8, width)):
+                if marks[col]:
+                    if count < room:
+                        rows[count], cols[count] = row, col
+                    count += 1
+    return count

@@ -5,7 +5,8 @@ Importing numba takes longer than most solves, so a process should not have to. 
     declared    `Library.jit` marks the functions of the kernel modules.  Those that Python calls have a signature
                 and become a `Kernel`, the others stay plain functions.                     (library, signature)
     compiled    A second copy of a module is made, with numba's dispatchers in place of the functions.  Each
-                signature becomes a C callback around its kernel, each of them one object.  (twin, building)
+                signature becomes a C callback around its kernel, each of them one object.
+                                                                             (twin, building, independent)
     linked      Once, into code that runs wherever it lies; where that is not known, not yet.        (image)
     stored      In the user's cache folder, by a name that tells what it was made from and for.
                                                                                           (store, processor)

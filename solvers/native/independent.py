@@ -57,6 +57,7 @@ def mark(module: str, names: Iterable[str]) -> str:
 
         def jump(line: re.Match[str]) -> str:
             nonlocal loops
+            # Back to a block that stands above.  LLVM reads what the last jump of a loop says, and no other.
             if line[1] not in above:
                 return line[0]
             loops += 1
