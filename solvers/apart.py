@@ -6,8 +6,7 @@ has no neighbours in common shares no equation: each window is a problem of its 
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +21,7 @@ MUCH_SMALLER = 0.5
 TILE = 64  # pixels: unknowns nearer to each other than this may be put into one window
 
 
-@dataclass(frozen=True)
-class Box:
+class Box(NamedTuple):
     """Rows top ... bottom and columns left ... right of an image; `top` is even."""
 
     top: int
@@ -148,8 +146,7 @@ def together(parts: Sequence[tuple[Box, Correct]], shape: tuple[int, ...]) -> Co
     return add
 
 
-@dataclass(frozen=True)
-class _Part:
+class _Part(NamedTuple):
     """A box of a canvas, as a canvas to take equations from."""
 
     canvas: Canvas

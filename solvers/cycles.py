@@ -13,9 +13,8 @@ one.  The recursion is unrolled here, in Python; a compiled kernel runs the list
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from functools import cache
-from typing import Literal, get_args
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -174,16 +173,14 @@ def _ranges(operations: Iterable[int], band: Band = (0, kernels.WHOLE)) -> list[
     return bounds
 
 
-@dataclass(frozen=True)
-class _Phase:
+class _Phase(NamedTuple):
     """Ranges for sweeps of which none touches what another one changes, and whether it pays to hand them out."""
 
     ranges: list[list[int]]
     shared: bool
 
 
-@dataclass(frozen=True)
-class _Shrinking:
+class _Shrinking(NamedTuple):
     """A band of segments, and what is left of it after each operation; see `_phases`."""
 
     ranges: list[Band]

@@ -1,7 +1,7 @@
 """Multigrid: V-, F- and W-cycles on a region of any shape; its narrow parts are solved directly."""
 
 import math
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -123,8 +123,7 @@ def solve_multigrid(
         return certified(result, problem, correct, team) if certify else result
 
 
-@dataclass(frozen=True)
-class _Solved:
+class _Solved(NamedTuple):
     """A part of the region, see `solvers.apart`, and how it was solved."""
 
     box: apart.Box
@@ -201,7 +200,7 @@ def certified(result: SolveResult, problem: PoissonProblem, correct: Correct, te
     """The result with a proven bound of its error; `correct` is what it was made with."""
     precise = corrected(problem, correct, team, np.float64)
     bound = proven_error(problem, precise, result.solution, _propose(team.threads))
-    return replace(result, error_bound=bound)
+    return result._replace(error_bound=bound)
 
 
 def _propose(threads: int) -> Solver:

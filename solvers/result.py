@@ -2,8 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from solvers.canvas import Values
 from solvers.problem import PoissonProblem
@@ -12,8 +11,7 @@ Progress = Callable[[int, float], None]
 """Told while a solver iterates: cycles or sweeps so far, and the estimate of the largest error, in levels."""
 
 
-@dataclass(frozen=True)
-class SolveResult:
+class SolveResult(NamedTuple):
     """A solution of eq. (7) and how far it can be trusted.
 
     Attributes
