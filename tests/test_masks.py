@@ -226,6 +226,14 @@ def test_a_mask_of_another_size_is_refused_with_the_way_out(canvas):
         select(added("mask.png"), alone)
 
 
+def test_a_mask_on_its_side_is_told_about_orientation(folder):
+    Path("turned.png").write_bytes(encoded(np.zeros((48, 40), np.uint8)))
+    with pytest.raises(
+        InputError, match=r"turned.png is 40x48, but the image i.png is 48x40 \(pictures are turned"
+    ):
+        select(added("turned.png"), Canvas("image", Picture("i.png", GREY)))
+
+
 def test_a_lossy_mask_with_grey_edges_is_cut_with_a_notice(canvas, folder):
     ramp = np.repeat(np.arange(100, 220, 4, dtype=np.uint8)[None], 24, axis=0)
     Path("soft.png").write_bytes(encoded(ramp))

@@ -97,6 +97,38 @@ def test_numpy_is_imported_with_next_to_no_stack_below_it(folder, warm):
     assert depth < 10
 
 
+VOLUMES = """
+import json
+import sys
+from poisson_cli.main import run
+from solvers.kernels.policy import library
+for words in json.loads(sys.argv[1]):
+    assert run(words) == 0, words
+print(json.dumps(list(library._addresses)))
+"""
+
+
+def test_what_most_runs_need_is_in_one_volume(folder, warm):
+    """Otherwise a first run compiles twice as long as it has to."""
+    two, one, area = ["source.png", "destination.png"], ["destination.png"], ["--rect", "3,3,20,17"]
+    tools = [
+        ["clone", *two, *area],
+        ["clone", *two, *area, "--monochrome", "--focus", "1.5"],
+        ["mix", *two, *area],
+        ["heal", *one, *area, "--from", "20,5"],
+        ["relight", *one, *area],
+        ["recolor", *one, *area, "--hue", "40"],
+        ["focus", *one, *area, "--amount", "2"],
+        ["tile", *one, *area],
+        *(["fill", *one, *rectangle] for rectangle in (area, ["--rect", "1,1,46,38"], ["--rect", "0,0,9,9"])),
+    ]
+    tools.append(["fill", *one, *area, "--bit-depth", "16"])
+    jobs = [[*words, "-q", "-o", f"{k}.png"] for k, words in enumerate(tools)]
+    ran = python(VOLUMES, json.dumps(jobs))
+    assert ran.returncode == 0, ran.stderr
+    assert json.loads(ran.stdout) == ["usual"]
+
+
 @pytest.mark.parametrize("words", [["--help"], ["--version"], ["clone", "--help"]])
 def test_the_help_loads_nothing_heavy(words):
     assert packages(loaded(*words)) & HEAVY <= {"click", "shutil"}  # click asks how wide the terminal is

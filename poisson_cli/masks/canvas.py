@@ -52,6 +52,8 @@ class Canvas(NamedTuple):
         problem = (
             f"{what} {shape[1]}x{shape[0]}, but the {self.role} {self.picture.name} is {self.picture.size}"
         )
+        if shape == self.shape[::-1]:
+            problem += " (pictures are turned upright, as a camera's orientation tag asks for)"
         if self.other is None:
             raise InputError(f"{problem}; a mask must have the size of the {self.role}")
         role, other = self.other
