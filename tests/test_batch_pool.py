@@ -4,6 +4,7 @@ import functools
 import os
 import signal
 import struct
+import threading
 import time
 from pathlib import Path
 
@@ -87,6 +88,19 @@ def deaf_on_third(task: Task, attempts: int) -> Result:
     if task.number == 3:
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
         time.sleep(1000)
+    return Result.of(task, "done", attempts=attempts)
+
+
+def done_when_asked_to_end(task: Task, attempts: int) -> Result:
+    """Take too long, be done just when it is too late, and end only then."""
+    if task.number == 3:
+        asked = threading.Event()
+        signal.signal(signal.SIGTERM, lambda *_: asked.set())
+        while not asked.is_set():
+            time.sleep(0.01)
+        threading.Timer(0.2, os._exit, [143]).start()
+    elif task.number == 4:
+        time.sleep(0.5)
     return Result.of(task, "done", attempts=attempts)
 
 
@@ -186,6 +200,11 @@ def test_what_takes_too_long_fails_alone(tmp_path, monkeypatch):
     assert late.error.startswith("took longer than 0.5 s and was ended")
     assert {result.status for result in results.values()} == {"done"}
     assert len(results) == 5
+
+
+def test_what_is_done_in_the_last_moment_is_done_and_harms_no_other(tmp_path):
+    results = run(done_when_asked_to_end, tmp_path, timeout=1.5, workers=1)
+    assert [(result.job, result.status) for result in results] == [(job, "done") for job in range(1, 7)]
 
 
 def test_workers_that_cannot_begin_are_an_error_and_no_endless_loop(tmp_path):

@@ -232,6 +232,8 @@ class _Pool:
         else:
             assert isinstance(message, Result)
             worker.attempt, worker.deadline = None, math.inf
+            if worker.is_stopped:  # just when its job was done: it is to get no other one
+                yield from self._bury(worker)
             yield message
 
     def _time_left(self) -> float | None:
