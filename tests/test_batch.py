@@ -164,6 +164,12 @@ def test_fail_fast_begins_no_more(folder, poisson):
     assert "2 done, 1 failed, 9 not run" in ran.err
 
 
+def test_fail_fast_begins_no_more_after_one_that_is_too_large(manifest, poisson):
+    ran = poisson("batch", manifest.name, "--fail-fast", "--memory", "64M", "--report", "-")
+    _, summary = report(ran.out)
+    assert (ran.code, summary["failed"], summary["not_run"]) == (1, 1, NUMBER - 1)
+
+
 def test_skip_existing_does_the_rest(manifest, expected, poisson, folder):
     for name in ("000.png", "007.png"):
         (folder / "out" / name).write_bytes(b"there")

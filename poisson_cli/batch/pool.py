@@ -81,12 +81,9 @@ def run(
     PoissonError
         If workers cannot be started.
     """
-    pool = _Pool(tasks, workers, limit, timeout, quiet, begins, perform)
+    pool = _Pool(tasks, workers, limit, keep_going, timeout, quiet, begins, perform)
     try:
-        for result in pool.results():
-            if result.status == "failed" and not keep_going:
-                pool.begin_no_more()
-            yield result
+        yield from pool.results()
     finally:
         pool.close()
 
@@ -132,6 +129,7 @@ class _Pool:
         tasks: Iterable[Task],
         workers: int,
         limit: int,
+        keep_going: bool,
         timeout: float | None,
         quiet: bool,
         begins: Callable[[Task], None],
@@ -139,7 +137,7 @@ class _Pool:
     ) -> None:
         self._waiting = deque(_Attempt(task) for task in tasks)
         self._most, self._limit = workers, limit
-        self._timeout = math.inf if timeout is None else timeout
+        self._keep_going, self._timeout = keep_going, math.inf if timeout is None else timeout
         self._quiet, self._begins, self._perform = quiet, begins, perform
         self._context = multiprocessing.get_context("spawn")
         self._estimate = memory.estimator()
@@ -148,18 +146,23 @@ class _Pool:
 
     def results(self) -> Iterator[Result]:
         """Hand out jobs and take in results until there are no more."""
+        results: list[Result] = []
         while True:
-            yield from self._hand_out()
+            # Whoever gets the results takes his time; the workers need not wait for that.
+            if not self._keep_going and any(result.status == "failed" for result in results):
+                self._waiting.clear()
+            refused = list(self._hand_out())
+            yield from results
+            yield from refused
             if not any(worker.attempt for worker in self._workers):
                 return
             by_pipe = {worker.pipe: worker for worker in self._workers}
-            for pipe in wait(list(by_pipe), self._time_left()):
-                yield from self._hear(by_pipe[cast("Connection", pipe)])
-            yield from self._stop_overdue()
-
-    def begin_no_more(self) -> None:
-        """Leave the jobs that wait undone."""
-        self._waiting.clear()
+            results = [
+                result
+                for pipe in wait(list(by_pipe), self._time_left())
+                for result in self._hear(by_pipe[cast("Connection", pipe)])
+            ]
+            results += self._stop_overdue()
 
     def close(self) -> None:
         """End all workers: those that wait for a job at once, the others as soon as they have tidied up."""
@@ -187,6 +190,8 @@ class _Pool:
             attempt.bytes = attempt.bytes or self._estimate(attempt.task)
             if attempt.bytes > self._limit:
                 self._waiting.popleft()
+                if not self._keep_going:
+                    self._waiting.clear()
                 yield _too_large(attempt, self._limit)
                 continue
             running = [worker.attempt for worker in self._workers if worker.attempt is not None]
