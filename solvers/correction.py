@@ -12,7 +12,6 @@ from solvers.hierarchy import Hierarchy, build_hierarchy
 from solvers.kernels import exact as kernels
 from solvers.layout import Float32, field_size
 from solvers.memory import Arena
-from solvers.narrow import DirectSolution
 from solvers.problem import PoissonProblem
 from solvers.team import Team
 from solvers.tolerance import LARGEST_ROW_SUM
@@ -33,8 +32,6 @@ class Correction:
     exact : bool
         Whether b_0 is exact in float32, as it is for 8- and 16-bit pictures.  b then follows total by subtraction; else
         b is assembled anew, because a rounded b_0 has a solution of its own.
-    direct : DirectSolution or None
-        The correction in parts of the region that the hierarchy leaves out.
     """
 
     problem: PoissonProblem
@@ -44,7 +41,6 @@ class Correction:
     x: Float32
     b: Float32
     exact: bool = True
-    direct: DirectSolution | None = None
     _first: bool = field(default=True, init=False, repr=False)
     _pieces: list[NDArray[np.int64]] = field(init=False, repr=False)
 
@@ -53,11 +49,9 @@ class Correction:
         self._pieces = self.team.pieces(h.finest_segments, 0, h.unknowns[0] * channels)
 
     @classmethod
-    def of(
-        cls, problem: PoissonProblem, arena: Arena, team: Team, direct: DirectSolution | None = None
-    ) -> "Correction":
-        """u = 0 but where it is known already, with the right-hand side of the problem; it lives in the arena."""
-        region = problem.region if direct is None else direct.rest()
+    def of(cls, problem: PoissonProblem, arena: Arena, team: Team) -> "Correction":
+        """u = 0, with the right-hand side of the problem; it lives in the arena."""
+        region = problem.region
         if problem.floating:
             # The equations fix all but a constant.  One pixel is held, the constant is set at the end.
             region = region.copy()
@@ -72,7 +66,6 @@ class Correction:
             total=arena.zeros(field_size(table, channels, levels=1)),
             x=arena.zeros(field_size(table, channels)),
             b=arena.zeros(field_size(table, channels)),
-            direct=direct,
         )
         rim = problem.canvas.rim()
         if rim is None:
@@ -141,8 +134,6 @@ class Correction:
             runs = _runs_of(h.finest_runs, top, top + len(guess))
             line = np.empty((guess.shape[1] + 1) * guess.shape[2], guess.dtype)
             kernels.add_solution(guess, line, self.total, self.x, top, runs, h.table)
-            if self.direct is not None:
-                self.direct.add_to(guess, top)
             if drift is not None:
                 guess -= drift.astype(guess.dtype)
 

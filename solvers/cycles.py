@@ -13,9 +13,8 @@ one.  The recursion is unrolled here, in Python; a compiled kernel runs the list
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from functools import cache
-from typing import Literal, get_args
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,6 +82,7 @@ class Cycling:
         self.channels = channels
         self.team = team
         self.names = [cycle]
+        self._stronger = False
         # Two segments, or a segment and a row of coarse cells with one more on each side.
         room = 2 * hierarchy.longest_segment + int(hierarchy.table[0, STRIDE]) + 2 * LANES
         self.scratch = [aligned_zeros(room) for _ in range(team.threads)]
@@ -91,9 +91,8 @@ class Cycling:
         self._plans: dict[tuple[Cycle, int], list[list[NDArray[np.int64]]]] = {}
 
     def strengthen(self) -> None:
-        """Go on with the next stronger cycle, if there is one."""
-        if self.names[-1] in STRONGER:
-            self.names.append(STRONGER[self.names[-1]])
+        """Begin the next run with the next stronger cycle, if there is one, however often this is said before it."""
+        self._stronger = True
 
     def run(self, x: Float32, b: Float32, cycles: int = 1) -> Iterator[float]:
         """Some cycles for A x = b, in place, as far as the result is gone through.
@@ -103,6 +102,9 @@ class Cycling:
         h, coarsest = self.hierarchy, self.hierarchy.coarsest
         fields = x, b, h.weight, h.diagonal, h.edge_e, h.edge_s, coarsest.band, coarsest.cells
         changes = np.zeros((self.team.threads, cycles + 1, 3), np.int32)
+        if self._stronger and self.names[-1] in STRONGER:
+            self.names.append(STRONGER[self.names[-1]])
+        self._stronger = False
         plan = (self.names[-1], cycles)
         if plan not in self._plans:
             self._plans[plan] = self._plan(*plan)
@@ -171,16 +173,14 @@ def _ranges(operations: Iterable[int], band: Band = (0, kernels.WHOLE)) -> list[
     return bounds
 
 
-@dataclass(frozen=True)
-class _Phase:
+class _Phase(NamedTuple):
     """Ranges for sweeps of which none touches what another one changes, and whether it pays to hand them out."""
 
     ranges: list[list[int]]
     shared: bool
 
 
-@dataclass(frozen=True)
-class _Shrinking:
+class _Shrinking(NamedTuple):
     """A band of segments, and what is left of it after each operation; see `_phases`."""
 
     ranges: list[Band]

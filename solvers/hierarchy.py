@@ -5,7 +5,7 @@ and one *leak* per direction to the known values beside it.  A leak keeps its di
 the known value's distance: that is what makes one coarse operator work on every region, thin and ragged ones included.
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,16 +41,14 @@ LONGEST_SEGMENT = (
 )
 
 
-@dataclass(frozen=True)
-class Coarsest:
+class Coarsest(NamedTuple):
     """The coarsest level's matrix, factored: see `kernels.cycle.solve_coarsest`."""
 
     band: NDArray[np.float64]
     cells: NDArray[np.int64]
 
 
-@dataclass(frozen=True)
-class Hierarchy:
+class Hierarchy(NamedTuple):
     """All levels of a region, in the layout of `solvers.layout`; made by `build_hierarchy`.
 
     Attributes

@@ -32,8 +32,8 @@ conductance 1 and are not stored: the edge fields begin at level 1 (``table[1, O
 
 Only places of the region are visited.  *Runs* are the stretches of a row of places that hold a cell of the region:
 ``runs[k] = row, low, high`` for ``k`` in ``range(table[level, FIRST_RUN], table[level + 1, FIRST_RUN])``, by row.
-Short gaps are bridged and both ends moved outwards to whole vectors of 16: what they hold beside the region has
-weight 0.
+Short gaps are bridged and both ends moved outwards to whole vectors of 16, the first end to an even one, so that the
+run's cells on the next level begin with a whole vector too: what they hold beside the region has weight 0.
 *Segments* are the same places in terms of the flat index of a quarter, joined over the ends of rows where that is
 cheaper, ``start, end, first_run, end_run``: on coarse levels a segment holds many rows, and a sweep is a few long
 loops.

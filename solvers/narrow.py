@@ -11,8 +11,8 @@ enough, and leaves the rest to multigrid.  The error of a direct solution x is b
 of which are at hand: A z = 1 is solved beside A x = b, as one more channel.
 """
 
-from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,8 +40,7 @@ LARGEST_REGION = 1 << 30  # unknowns: they are numbered in 32 bits
 BAND = 1 << 20  # pixels of the region to look at in one go
 
 
-@dataclass(frozen=True)
-class Parts:
+class Parts(NamedTuple):
     """The connected parts of a set of unknowns.
 
     Attributes
@@ -101,8 +100,7 @@ class Parts:
         return (sizes <= LARGEST_PART) & (breadth <= NARROW)
 
 
-@dataclass(frozen=True)
-class DirectSolution:
+class DirectSolution(NamedTuple):
     """The correction to the first guess in the narrow parts of a problem's region.
 
     Attributes

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable
 import numpy as np
 
 from solvers.correction import Correction
-from solvers.result import Progress, SolveResult
+from solvers.result import Progress
 
 # Levels: what a correction is taken to be as large as before anything is known of it.
 FULL_SCALE = 255.0
@@ -27,14 +27,15 @@ def solve_in_stages(
     *,
     tolerance: float,
     max_iterations: int,
-    method: Callable[[], str],
     floor: float,
     gain: float,
     ahead: Callable[[float, float], int],
     iterations_per_step: int = 1,
     progress: Progress | None = None,
-) -> SolveResult:
-    """Runs an iteration on x until the stop rule of `tolerance` holds.
+) -> list[float]:
+    """Runs an iteration on x until the stop rule of `tolerance` holds, or `max_iterations` are done.
+
+    Returns the estimate of the error after each step, in levels.  The last one is that of the correction.
 
     Parameters
     ----------
@@ -44,8 +45,6 @@ def solve_in_stages(
         The error after the last of a stage's changes.
     tolerance : float
         In levels.
-    method : callable
-        How the result names the solver, asked at the end.
     floor : float
         Share of a stage's x below which rounding in float32 makes the iteration blind.
     gain : float
@@ -57,8 +56,7 @@ def solve_in_stages(
     progress : callable, optional
         Told after each step: iterations done, estimated error in levels.
     """
-    problem = correction.problem
-    level = problem.level
+    level = correction.problem.level
     history: list[float] = []
     changes: list[float] = []  # of this stage
     error = size = FULL_SCALE  # of x
@@ -86,15 +84,5 @@ def solve_in_stages(
             size = error
             stage += 1
     if history:
-        history[-1] = float(error)
-    return SolveResult(
-        solution=correction.solution(),
-        error_estimate=float(error),
-        tolerance=tolerance,
-        converged=bool(error <= tolerance),
-        iterations=len(history) * iterations_per_step,
-        history=tuple(float(e) for e in history),
-        method=method(),
-        unknowns=problem.unknowns,
-        floating=problem.floating,
-    )
+        history[-1] = error
+    return [float(error) for error in history]

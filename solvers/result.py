@@ -1,16 +1,17 @@
 """What a solver returns."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 from solvers.canvas import Values
+from solvers.problem import PoissonProblem
 
 Progress = Callable[[int, float], None]
 """Told while a solver iterates: cycles or sweeps so far, and the estimate of the largest error, in levels."""
 
 
-@dataclass(frozen=True)
-class SolveResult:
+class SolveResult(NamedTuple):
     """A solution of eq. (7) and how far it can be trusted.
 
     Attributes
@@ -52,3 +53,26 @@ class SolveResult:
     floating: bool
     error_bound: float | None = None
     advice: str | None = None
+
+    @classmethod
+    def after(
+        cls,
+        history: Sequence[float],
+        problem: PoissonProblem,
+        solution: Values,
+        *,
+        tolerance: float,
+        **other: Any,
+    ) -> "SolveResult":
+        """What was reached in the end; infinitely far from it if nothing was done."""
+        error = history[-1] if history else math.inf
+        return cls(
+            solution=solution,
+            error_estimate=error,
+            tolerance=tolerance,
+            converged=error <= tolerance,
+            history=tuple(history),
+            unknowns=problem.unknowns,
+            floating=problem.floating,
+            **other,
+        )

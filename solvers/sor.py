@@ -1,6 +1,5 @@
 """Red-black Gauss-Seidel with successive over-relaxation."""
 
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -123,20 +122,28 @@ def solve_sor(
             # Waves swell and ebb: one fast step proves nothing, the slowest of the last few is believed.
             return MARGIN * estimate(changes[-1], max(LEAST_RHO, *rates[-3:]))
 
-        result = solve_in_stages(
+        history = solve_in_stages(
             correction,
             step,
             estimated_error,
             tolerance=tolerance,
             max_iterations=max_iterations,
-            method=lambda: f"sor omega={factor:.5g}",
             floor=min(_rounding(float(factor)), STAGE_GAIN),
             gain=STAGE_GAIN,
             ahead=lambda _error, _aim: 1,
             iterations_per_step=sweeps,
             progress=progress,
         )
-        result = replace(result, advice=_advice(result.iterations, problem.unknowns * channels))
+        iterations = len(history) * sweeps
+        result = SolveResult.after(
+            history,
+            problem,
+            correction.solution(),
+            tolerance=tolerance,
+            iterations=iterations,
+            method=f"sor omega={factor:.5g}",
+            advice=_advice(iterations, problem.unknowns * channels),
+        )
         return certified(result, problem, correction.adding(), team) if certify else result
 
 

@@ -1,11 +1,12 @@
 """Batches of small jobs, and what their outputs must be: those of single commands."""
 
+import contextlib
 import json
 import os
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -87,15 +88,33 @@ def children(pid: int) -> list[int]:
     return [int(one) for one in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
 
 
-def readers(pipe: Path) -> Iterator[int]:
-    """Processes that have a named pipe open, beside this one (Linux)."""
-    for link in Path("/proc").glob("[0-9]*/fd/*"):
-        pid = int(link.parts[2])
-        try:
-            if pid != os.getpid() and os.path.samefile(link, pipe):
-                yield pid
-        except OSError:  # it is gone, or another user's
-            continue
+@contextlib.contextmanager
+def endless(pipe: Path) -> Iterator[int]:
+    """Make a named pipe and keep it open for writing, so that whoever reads from it waits; what is yielded writes."""
+    os.mkfifo(pipe)
+    descriptor = os.open(pipe, os.O_RDWR)  # waits for nobody
+    try:
+        yield descriptor
+    finally:
+        os.close(descriptor)
+
+
+def reader(pipe: Path, *, but: Collection[int] = ()) -> int:
+    """Wait for a process that has a named pipe open, beside this one and some others (Linux)."""
+    found: list[int] = []
+
+    def look() -> bool:
+        for link in Path("/proc").glob("[0-9]*/fd/*"):
+            pid = int(link.parts[2])
+            try:
+                if pid not in (os.getpid(), *but) and os.path.samefile(link, pipe):
+                    found.append(pid)
+            except OSError:  # it is gone, or another user's
+                continue
+        return bool(found)
+
+    wait_until(look, "nobody reads")
+    return found[0]
 
 
 def is_alive(pid: int) -> bool:
@@ -104,11 +123,6 @@ def is_alive(pid: int) -> bool:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:
         return False
-
-
-def is_buried(pid: int) -> bool:
-    """Whether nothing is left of a process: before that, a thread of it may still hold a pipe open."""
-    return not Path(f"/proc/{pid}").exists()
 
 
 def wait_until(condition: Any, what: str) -> None:

@@ -16,12 +16,12 @@ from tests.batch_jobs import (
     POISSON,
     by_single_commands,
     children,
+    endless,
     environment,
     is_alive,
-    is_buried,
     jobs,
     outputs,
-    readers,
+    reader,
     report,
     start,
     wait_until,
@@ -133,18 +133,13 @@ def test_a_job_that_takes_its_worker_along_is_tried_again_and_then_fails(folder)
     lines = jobs(NUMBER)
     lines[3]["source"] = "pipe"
     path = write(folder, lines)
-    pipe = folder / "pipe"
-    os.mkfifo(pipe)
-    process = start("batch", path.name, "-j", 2, "--report", "-", cwd=folder)
-    killed = []
-    for _ in range(2):
-        with open(pipe, "wb"):  # waits until somebody reads
-            wait_until(lambda: [pid for pid in readers(pipe) if pid not in killed], "nobody reads")
-            (reader,) = (pid for pid in readers(pipe) if pid not in killed)
-            os.kill(reader, signal.SIGKILL)
-            wait_until(lambda: is_buried(reader), "cannot be killed")  # noqa: B023
-            killed.append(reader)
-    out, err = process.communicate()
+    killed: list[int] = []
+    with endless(folder / "pipe"):
+        process = start("batch", path.name, "-j", 2, "--report", "-", cwd=folder)
+        for _ in range(2):
+            killed.append(reader(folder / "pipe", but=killed))
+            os.kill(killed[-1], signal.SIGKILL)
+        out, err = process.communicate()
     assert process.returncode == 1, err
     found, summary = report(out)
     assert (summary["done"], summary["failed"]) == (NUMBER - 1, 1)

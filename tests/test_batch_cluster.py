@@ -12,11 +12,11 @@ import pytest
 
 from tests.batch_jobs import (
     by_single_commands,
+    endless,
     environment,
-    is_buried,
     jobs,
     outputs,
-    readers,
+    reader,
     report,
     start,
     wait_until,
@@ -81,18 +81,16 @@ def test_a_lost_worker_loses_nothing(folder, cluster):
     lines = jobs(NUMBER)
     lines[NUMBER // 2]["source"] = "pipe.png"
     path = write(folder, lines)
-    os.mkfifo(folder / "pipe.png")
     cluster.work()
     cluster.work()
-    process = start("batch", path.name, "--scheduler", cluster.address, "--report", "-", cwd=folder)
-    with open(folder / "pipe.png", "wb"):  # waits until somebody reads
-        wait_until(lambda: list(readers(folder / "pipe.png")), "nobody reads")
-        (pid,) = readers(folder / "pipe.png")
+    with endless(folder / "pipe.png") as pipe:
+        process = start("batch", path.name, "--scheduler", cluster.address, "--report", "-", cwd=folder)
+        pid = reader(folder / "pipe.png")
         (first,) = (worker for worker in cluster.workers if worker.pid == pid)
         first.kill()
         first.wait()
-    with open(folder / "pipe.png", "wb") as pipe:
-        pipe.write((folder / "source.png").read_bytes())
+        reader(folder / "pipe.png")  # the other one
+        os.write(pipe, (folder / "source.png").read_bytes())
     out, err = process.communicate()
     assert process.returncode == 0, err
     found, summary = report(out)
@@ -110,19 +108,14 @@ def test_on_this_machine_with_bad_jobs(folder):
     lines[3]["source"] = "nowhere.png"
     lines[5]["source"] = "pipe.png"
     path = write(folder, lines)
-    pipe = folder / "pipe.png"
-    os.mkfifo(pipe)
     (folder / "out" / "007.png").write_bytes(b"mine")
-    process = start("batch", path.name, "--scheduler", "local", "-j", "2", "--report", "-", cwd=folder)
-    killed = []
-    for _ in range(2):
-        with open(pipe, "wb"):
-            wait_until(lambda: set(readers(pipe)) - set(killed), "nobody reads")
-            (reader,) = set(readers(pipe)) - set(killed)
-            os.kill(reader, signal.SIGKILL)
-            wait_until(lambda: is_buried(reader), "cannot be killed")  # noqa: B023
-            killed.append(reader)
-    out, err = process.communicate()
+    killed: list[int] = []
+    with endless(folder / "pipe.png"):
+        process = start("batch", path.name, "--scheduler", "local", "-j", "2", "--report", "-", cwd=folder)
+        for _ in range(2):
+            killed.append(reader(folder / "pipe.png", but=killed))
+            os.kill(killed[-1], signal.SIGKILL)
+        out, err = process.communicate()
     assert process.returncode == 1, err
     found, summary = report(out)
     failed = {line["job"]: line for line in found if line["status"] == "failed"}
@@ -142,13 +135,13 @@ def test_a_batch_that_is_stopped_leaves_the_cluster_in_order(folder, cluster):
     lines = jobs(NUMBER)
     lines[4]["source"] = "pipe.png"
     path = write(folder, lines)
-    os.mkfifo(folder / "pipe.png")
     cluster.work()
-    process = start("batch", path.name, "--scheduler", cluster.address, "-q", cwd=folder)
-    with open(folder / "pipe.png", "wb") as pipe:
+    with endless(folder / "pipe.png") as pipe:
+        process = start("batch", path.name, "--scheduler", cluster.address, "-q", cwd=folder)
+        reader(folder / "pipe.png")
         process.send_signal(signal.SIGTERM)
         _, err = process.communicate()
-        pipe.write((folder / "source.png").read_bytes())
+        os.write(pipe, (folder / "source.png").read_bytes())
     assert (process.returncode, err) == (143, "poisson: error: terminated\n")
     (folder / "pipe.png").unlink()
     path = write(folder, jobs(NUMBER))

@@ -21,9 +21,10 @@ def task(number: int) -> Task:
 class Batch:
     """A batch that goes as it is told to."""
 
-    def __init__(self, stream: io.StringIO, quiet: bool = False) -> None:
+    def __init__(self, stream: io.StringIO, **choices: bool) -> None:
         self.tally, self.watch = Tally(2000), Watch()
-        self.display = Display(self.tally, stream, quiet=quiet, name="jobs.csv", clock=self.watch)
+        choices = {"quiet": False, **choices}
+        self.display = Display(self.tally, stream, name="jobs.csv", clock=self.watch, **choices)
 
     def job(self, number: int, seconds: float, **result: object) -> None:
         self.display.begins(task(number))
@@ -53,6 +54,14 @@ def test_a_terminal_shows_one_line(wide):
     assert "\npoisson" not in terminal.getvalue()
     _, line = terminal.getvalue().split("poisson: jobs.csv:100: a.png: no such file\n")
     assert line.startswith("\r99 of 2,000 done, 1 failed, ")
+
+
+def test_where_a_report_goes_to_the_same_terminal_no_line_is_written_over():
+    terminal = Terminal()
+    batch = Batch(terminal, shared=True)
+    for number in range(1, 41):
+        batch.job(number, 1.0)
+    assert terminal.getvalue() == "poisson: 30 of 2,000 done, 1.0 a second, 33 min left\n"
 
 
 def test_nothing_of_the_line_is_left():

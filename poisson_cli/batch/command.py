@@ -129,7 +129,8 @@ def _run(tasks: Sequence[Task], name: str, choices: Choices) -> int:
     began = time.monotonic()
     code = errors.BUG  # if something else ends this
     with report.opened(choices.report, goes_on=choices.skip_existing, overwrite=choices.overwrite) as lines:
-        screen = display.Display(tally, sys.stderr, quiet=choices.quiet, name=name)
+        shared = lines is not None and lines is sys.stdout and lines.isatty()
+        screen = display.Display(tally, sys.stderr, quiet=choices.quiet, name=name, shared=shared)
         results = running.results(
             tasks,
             workers=choices.jobs,

@@ -39,6 +39,8 @@ class Display:
         Say nothing but why jobs failed.
     name
         What to call the manifest.
+    shared
+        Whether something else is written to the same terminal, so that no line can be written over.
     clock
         Seconds, from any beginning.
     """
@@ -50,10 +52,12 @@ class Display:
         *,
         quiet: bool,
         name: str,
+        shared: bool = False,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._tally, self._stream, self._quiet, self._name, self._clock = tally, stream, quiet, name, clock
-        self._line = Overwritten(stream) if is_terminal(stream) and not quiet else None
+        alone = is_terminal(stream) and not shared
+        self._line = Overwritten(stream) if alone and not quiet else None
         self._began = clock()
         self._due = self._began + (INTERVAL if self._line else PLAIN_INTERVAL)
         self._running: dict[int, tuple[Task, float]] = {}

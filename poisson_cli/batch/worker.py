@@ -89,7 +89,9 @@ def serve(pipe: Connection, perform: Perform | None, quiet: bool) -> None:
         pipe.send(READY)
         while True:
             task, attempts = pipe.recv()
-            pipe.send(do(task, attempts))
+            with _to_be_tidied_up():
+                result = do(task, attempts)
+            pipe.send(result)
     except (EOFError, ConnectionError):
         code = errors.DONE
     except errors.Terminated:
@@ -108,12 +110,29 @@ def _the_usual(quiet: bool) -> Perform:
     from solvers.kernels.policy import library
 
     compiling.announce(quiet=quiet)
-    library.addresses("usual")
+    with _to_be_tidied_up():
+        library.addresses("usual")
     return perform
+
+
+_at_work = threading.Event()
+"""Set while something would be left half done if the process just ended."""
+
+
+@contextlib.contextmanager
+def _to_be_tidied_up() -> Iterator[None]:
+    _at_work.set()
+    try:
+        yield
+    finally:
+        _at_work.clear()
 
 
 def _stop(_signal: int, _frame: FrameType | None) -> Any:
     signal.signal(signal.SIGTERM, signal.SIG_IGN)  # once is enough: what tidies up is not to be interrupted
+    if not _at_work.is_set():
+        # An exception would be complained about if it came in a place where none is expected, such as an import.
+        os._exit(errors.TERMINATED)
     raise errors.Terminated
 
 

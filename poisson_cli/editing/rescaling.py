@@ -16,7 +16,6 @@ f and m are held whole, unlike anything else in an edit.
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -54,7 +53,7 @@ def solve_in_range(
     whole = solve()
     image = window.paint(_put(whole.solution), _at_once(window))
     if window.overshoot == 0:
-        return replace(whole, solution=image), 1.0
+        return whole._replace(solution=image), 1.0
     none = solve_membrane()
     scale = largest_scale(window, whole.solution, none.solution)
     if scale < 1:
@@ -62,7 +61,7 @@ def solve_in_range(
     bounds = [result.error_bound for result in (whole, none) if result.error_bound is not None]
     error = max(whole.error_estimate, none.error_estimate)
     # A mean of both solutions has no larger an error than the worse one.
-    return replace(whole, solution=image, error_estimate=error, error_bound=max(bounds, default=None)), scale
+    return whole._replace(solution=image, error_estimate=error, error_bound=max(bounds, default=None)), scale
 
 
 def _at_once(window: Window) -> Share:
