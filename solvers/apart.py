@@ -189,6 +189,9 @@ class _Part(NamedTuple):
     def paint(self, correct: Correct, share: Share) -> NDArray[Any]:
         raise AssertionError("the whole canvas is painted, not a part of it")
 
+    def paint_at(self, place: NDArray[np.int64], correction: NDArray[np.float64]) -> NDArray[Any]:
+        raise AssertionError("the whole canvas is painted, not a part of it")
+
 
 def _cut(values: Values | None, rows: slice, cols: slice) -> Any:
     return None if values is None else np.ascontiguousarray(values[rows, cols])

@@ -12,6 +12,8 @@ from typing import Any, NamedTuple, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from solvers.kernels.narrow import add_at
+
 Values = NDArray[np.float32] | NDArray[np.float64]
 
 BAND = (
@@ -108,6 +110,16 @@ class Canvas(Protocol):
     def paint(self, correct: Correct, share: Share) -> NDArray[Any]:
         """The first guess, corrected: what the solver returns as its solution."""
 
+    def paint_at(self, place: NDArray[np.int64], correction: NDArray[np.float64]) -> NDArray[Any]:
+        """The same bits, where the correction is given pixel by pixel.
+
+        Parameters
+        ----------
+        place : (n,) int64
+            Row * width + column of the pixels of the region, ascending.
+        correction : (n, C)
+        """
+
 
 def bands(first: int, end: int, row: int) -> Iterator[tuple[int, int]]:
     """First and end row of each band of rows first ... end - 1, of `row` values each; `first` is even."""
@@ -160,6 +172,13 @@ class Arrays:
             correct(with_channels(solution)[first:end], first)
 
         share(rows)
+        return solution
+
+    def paint_at(self, place: NDArray[np.int64], correction: NDArray[np.float64]) -> Values:
+        """The values plus the correction, of the values' shape and dtype."""
+        solution: Values = np.empty_like(self.values, order="C")
+        solution[:] = self.values
+        add_at(with_channels(solution), correction, place, 0, len(place), 0)
         return solution
 
 

@@ -44,6 +44,10 @@ class Arena:
         """An array of int32, no matter which."""
         return self._anything(math.prod(shape)).view(np.int32).reshape(shape)
 
+    def longs(self, *shape: int) -> NDArray[np.int64]:
+        """An array of int64, no matter which."""
+        return self._anything(2 * math.prod(shape)).view(np.int64).reshape(shape)
+
     def doubles(self, *shape: int) -> NDArray[np.float64]:
         """An array of float64, no matter which."""
         return self._anything(2 * math.prod(shape)).view(np.float64).reshape(shape)

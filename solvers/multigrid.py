@@ -95,7 +95,7 @@ def solve_multigrid(
     with borrowed_arena() as arena, Team(threads, problem.unknowns * problem.channels) as team:
         narrow = split(problem, arena) if direct else None
         if narrow is not None and len(narrow.place) == problem.unknowns:
-            result = _directly(narrow, tolerance, progress, team)
+            result = _directly(narrow, tolerance, progress)
             return certified(result, problem, narrow.add_to, team) if certify else result
         error_of_narrow = 0.0 if narrow is None else narrow.error / problem.level
         region = problem.region if narrow is None else narrow.rest()
@@ -186,13 +186,13 @@ def _both(one: Correct, other: Correct) -> Correct:
     return add
 
 
-def _directly(narrow: DirectSolution, tolerance: float, progress: Progress | None, team: Team) -> SolveResult:
+def _directly(narrow: DirectSolution, tolerance: float, progress: Progress | None) -> SolveResult:
     """The result where nothing is left to cycles."""
     problem = narrow.problem
     error = narrow.error / problem.level
     if progress is not None:
         progress(0, error)
-    solution = corrected(problem, narrow.add_to, team)
+    solution = problem.canvas.paint_at(narrow.place, narrow.values)
     return SolveResult.after([error], problem, solution, tolerance=tolerance, iterations=0, method="directly")
 
 

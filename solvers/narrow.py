@@ -2,15 +2,17 @@
 
 Multigrid sweeps whole vectors of a grid's rows.  In a stroke two pixels wide, or a speck of dust, most of such a vector
 is known already, and the sweeps cost ten times what they cost in a disk.  There, Gaussian elimination is cheaper: it
-takes only the unknowns that there are, those with few neighbours first (minimum degree, Tinney and Walker 1967).  A
-stroke is eaten up from its ends, an unknown having two or three neighbours left at its turn; where strokes cross, what
-remains in the end is a small net of crossings.
+takes only the unknowns that there are.  A part of a few pixels across is eliminated in reading order, and all that is
+in use at a time is a small full matrix.  In any other, unknowns with few neighbours come first (minimum degree, Tinney
+and Walker 1967): a stroke is eaten up from its ends, an unknown having two or three neighbours left at its turn; where
+strokes cross, what remains in the end is a small net of crossings.
 
 Known pixels separate the parts of a region, so that each may be solved in its own way: `split` takes out what is narrow
 enough, and leaves the rest to multigrid.  The error of a direct solution x is bounded by max|b - A x| max A^-1 1, both
 of which are at hand: A z = 1 is solved beside A x = b, as one more channel.
 """
 
+from collections.abc import Iterator
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -30,13 +32,15 @@ NARROW = 6.0
 EFFORT = 60
 # Unknowns of one part.  A call of a kernel is not to take longer than .2 s: Python hears signals only in between.
 LARGEST_PART = 500_000
-CALL = 500_000  # unknowns of all parts of a call
+CALL = 500_000  # unknowns of all parts of a call,
+LONG_CALL = 5_000_000  # and of one that does little with each
 # Of a part's unknowns, those that may be left when none has few neighbours any more: a share, or so many,
 LARGE_SHARE, FEWEST_LARGE = 8, 256
 CORE = 400  # and those that are solved with a full matrix in the end
 
 LARGEST_REGION = 1 << 30  # unknowns: they are numbered in 32 bits
 
+ENOUGH = 100  # pairs of rows: no more, or not many more, are looked at to tell whether a region is sparse
 BAND = 1 << 20  # pixels of the region to look at in one go
 
 
@@ -72,13 +76,12 @@ class Parts(NamedTuple):
         """Those of the unknowns at these places of an image of this height and width; they live in the arena."""
         n = len(place)
         near = arena.integers(n, 4)
-        kernels.link(near, place, *shape)
         part, order, rank, pairs, starts = (arena.integers(size) for size in (n, n, n, n, n + 1))
-        part[:] = -1
-        starts[0] = 0
-        seed = count = 0
-        while seed < n:
-            seed, count = kernels.find_parts(part, order, starts, pairs, near, seed, count, CALL)
+        above = count = 0
+        for call in _calls(n):
+            above = kernels.link(near, part, place, *shape, above, *call)
+        for call in _calls(n):
+            count = kernels.number_parts(part, starts, pairs, near, count, *call)
         starts = starts[: count + 1]
         kernels.sort_parts(order, rank, arena.integers(count), part, starts)
         return cls(place, near, order, rank, starts, part, pairs[:count])
@@ -134,15 +137,16 @@ def split(problem: PoissonProblem, arena: Arena) -> DirectSolution | None:
     """Solves the narrow parts of the region; None if none is worth it.  The solution lives in the arena."""
     if problem.floating or problem.screening > 0 or not _worth_looking(problem.region):
         return None  # screened unknowns hardly feel each other: cycles contract fast
+    if problem.unknowns > LARGEST_REGION:
+        return None
     height, width = problem.region.shape
-    parts = Parts.of(np.flatnonzero(problem.region), (height, width), arena)
+    parts = Parts.of(places(problem.region, arena), (height, width), arena)
     narrow = parts.narrow
     if not narrow.all():
         if not narrow.any():
             return None
         parts = Parts.of(parts.place[parts.unknowns_of(narrow)], (height, width), arena)
-    values = _right_hand_side(problem, parts, arena)
-    solved, error = _solve(values, parts, arena)
+    values, solved, error = _solve(_right_hand_side(problem, parts, arena), parts, arena)
     place = parts.place
     if not solved.all():
         there = parts.unknowns_of(solved)
@@ -150,8 +154,10 @@ def split(problem: PoissonProblem, arena: Arena) -> DirectSolution | None:
     return DirectSolution(problem, place, values, error) if len(place) else None
 
 
-def _solve(b: NDArray[np.float64], parts: Parts, arena: Arena) -> tuple[NDArray[np.bool_], float]:
-    """x in place of b where it is cheap to find, part by part; and a bound of its error."""
+def _solve(
+    b: NDArray[np.float64], parts: Parts, arena: Arena
+) -> tuple[NDArray[np.float64], NDArray[np.bool_], float]:
+    """x, the parts where it was cheap to find, and a bound of its error there."""
     sizes = parts.sizes
     largest, width = int(sizes.max()), b.shape[1] + 1
     large = max(FEWEST_LARGE, largest // LARGE_SHARE)
@@ -161,31 +167,41 @@ def _solve(b: NDArray[np.float64], parts: Parts, arena: Arena) -> tuple[NDArray[
         arena.doubles(largest * (kernels.SUMS + width + kernels.ROOM)),
         arena.integers(large * (kernels.LINKS + kernels.LARGE_ROOM)),
         arena.doubles(large * (kernels.SUMS + width + kernels.LARGE_ROOM)),
-        arena.integers(largest),
-        arena.integers(largest),
+        *(arena.integers(largest) for _ in range(4)),
         arena.doubles(core, core + width),
+        arena.doubles(kernels.WINDOW * (kernels.WINDOW + width)),
     )
-    solved = np.zeros(len(sizes), np.bool_)
+    x = arena.doubles(*b.shape)
+    solved, softness = np.zeros(len(sizes), np.bool_), arena.doubles(len(sizes))
     # Calls of about equally many unknowns.
     cuts = np.flatnonzero(np.diff(parts.starts[1:] // CALL)) + 1
     edges = [0, *cuts.tolist(), len(sizes)]
-    bits = np.int64(0)
     for first, end in pairwise(edges):
         where = parts.near, parts.order, parts.rank, parts.starts, first, end, EFFORT
-        bits = max(bits, np.int64(kernels.solve_parts(b, solved, *scratch, *where)))
-    return solved, float(bits.view(np.float64))
+        kernels.solve_parts(x, softness, solved, *scratch, b, *where)
+    residuals = arena.longs(len(sizes))
+    residuals[:] = 0
+    for call in _calls(len(b)):
+        kernels.find_residuals(residuals, x, b, parts.near, parts.part, *call)
+    bounds = softness * residuals.view(np.float64)
+    return x, solved, float(bounds.max(where=solved, initial=0))
 
 
 def _right_hand_side(problem: PoissonProblem, parts: Parts, arena: Arena) -> NDArray[np.float64]:
     """The problem's residual at the first guess, (n, C)."""
     canvas = problem.canvas
-    _, width, channels = canvas.shape
+    height, width, channels = canvas.shape
     b = arena.doubles(len(parts.place), channels)
+    rim = canvas.rim()
+    if rim is not None:
+        b[:] = 0
+        kernels.sum_rim(b, parts.place, rim.values, rim.row, rim.col, width)
+        return b
     for band in canvas.equations(0, canvas.shape[0]):
         low, high = _within(parts.place, band.first, band.end, width)
         if low < high:
             v = [_or_nothing(array, band.values) for array in (band.across, band.down, band.rhs)]
-            kernels.sum_pairs(b, parts.place, parts.near, band.values, *v, band.top, low, high)
+            kernels.sum_pairs(b, parts.place, band.values, *v, height, band.top, low, high)
     return b
 
 
@@ -200,11 +216,30 @@ def _or_nothing(values: Values | None, like: Values) -> Values:
     return np.zeros((0, 0, 0), like.dtype) if values is None else with_channels(values)
 
 
+def places(region: NDArray[np.bool_], arena: Arena) -> NDArray[np.int64]:
+    """Row * width + column of each unknown, in reading order."""
+    pixels = region.reshape(-1)
+    words = np.require(pixels[: len(pixels) & ~7].view(np.int64), requirements="A")
+    place = arena.longs(int(np.count_nonzero(region)) + 1)
+    count = 0
+    for call in _calls(len(words) + (len(pixels) & 7 > 0)):
+        count = kernels.locate(place, count, words, pixels, *call)
+    return place[:count]
+
+
+def _calls(n: int) -> Iterator[tuple[int, int]]:
+    """First and end of ranges that make up n."""
+    for first in range(0, n, LONG_CALL):
+        yield first, min(first + LONG_CALL, n)
+
+
 def _worth_looking(region: NDArray[np.bool_]) -> bool:
-    """Whether multigrid would sweep far more places than the region has; one pass over the mask."""
+    """Whether multigrid would sweep far more places than the region has; a look at the mask, here and there."""
+    height, width = region.shape
     unknowns = places = 0
-    rows = max(2, BAND // region.shape[1] & ~1)
-    for first in range(0, len(region), rows):
-        more = kernels.survey(region, first, min(first + rows, len(region)))
+    step = max(1, height // (2 * ENOUGH))
+    rows = max(1, BAND // (2 * step * width)) * 2 * step
+    for first in range(0, height, rows):
+        more = kernels.survey(region, first, min(first + rows, height), step)
         unknowns, places = unknowns + more[0], places + more[1]
-    return bool(unknowns <= LARGEST_REGION and unknowns < WELL_FILLED * places)
+    return bool(unknowns <= WELL_FILLED * places)  # all rows with unknowns may have been missed

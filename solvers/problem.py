@@ -1,6 +1,7 @@
 """The equations to solve: what every solver takes, validated once."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -180,7 +181,7 @@ class PoissonProblem:
         """Number of channels, 1 for (H, W) values."""
         return self.canvas.shape[2]
 
-    @property
+    @cached_property
     def unknowns(self) -> int:
         """Number of unknown pixels."""
         return int(np.count_nonzero(self.region))

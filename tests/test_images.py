@@ -313,6 +313,21 @@ def raw_file(kind: str) -> bytes:
     return file.getvalue()
 
 
+@pytest.mark.parametrize("compression", [None, "zlib", "lzma"])
+@pytest.mark.parametrize(
+    ("tag", "side"), [("TileWidth", 16_908_288), ("TileLength", 2**31), ("TileWidth", 300_000)]
+)
+def test_tiles_that_claim_far_more_than_the_picture_are_refused(compression, tag, side):
+    data = bytearray(tiff(RGB.astype(np.uint16), photometric="rgb", tile=(16, 32), compression=compression))
+    with tifffile.TiffFile(io.BytesIO(bytes(data))) as file:
+        found = file.pages[0].tags[tag]
+    data[found.offset + 2 : found.offset + 12] = struct.pack("<HII", 4, 1, side)
+    assert refusal(bytes(data)) in (
+        f"a file: damaged, its tiles are far larger than its {RGB.shape[1]}x{RGB.shape[0]} pixels",
+        f"a file: damaged, {len(data):,} bytes cannot hold as many pixels as its header claims",
+    ) or (side == 300_000 and compression == "lzma")
+
+
 @pytest.mark.parametrize("kind", ["DNG", "NEF", "CR2"])
 def test_the_preview_in_a_raw_file_is_not_taken_for_the_picture(kind):
     data = raw_file(kind)

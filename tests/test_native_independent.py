@@ -2,7 +2,6 @@
 
 import re
 
-import llvmlite.binding as llvm
 import numba
 import pytest
 
@@ -36,7 +35,7 @@ def test_elements_are_marked_and_variables_are_not(text):
     pointers = {re.search(r", ptr (%[^,\s]+)", line)[1] for line in accesses(function)}
     assert len(pointers) >= 4  # out, weights and two neighbours
     assert not pointers & variables
-    llvm.parse_assembly(marked).verify()
+    building.llvm.parse_assembly(marked).verify()
 
 
 @pytest.mark.parametrize("names", [[], [independent.mangled("elsewhere", "add_neighbours")]])
@@ -48,7 +47,7 @@ def test_a_marked_loop_has_no_overlap_tests(text):
     """They would decide between the vectorised loop and a scalar copy of it."""
 
     def divided(module: str) -> int:
-        whole = llvm.parse_assembly(
+        whole = building.llvm.parse_assembly(
             building._REFERENCE_COUNTING.sub("", module).replace("noinline", "nounwind")
         )
         visible = next(f.name for f in whole.functions if f.name.startswith("cfunc"))

@@ -12,6 +12,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from poisson_cli import clone, mix
+from poisson_cli.editing import window
+from poisson_cli.editing.tools import cloning
+from poisson_cli.editing.window import Window
 from solvers import DEFAULT_TOLERANCE, Guidance, PoissonProblem, narrow, solve_multigrid, solve_sor
 from solvers.kernels import narrow as kernels
 from solvers.memory import Arena
@@ -91,7 +94,20 @@ def mixture(height: int, width: int) -> np.ndarray:
     return region
 
 
-OWN = {f.__name__: f for f in (loops, net, wide_net, comb, spiral_of_1_pixel, at_edges_and_corners, mixture)}
+def squares(height: int, width: int) -> np.ndarray:
+    """Of 1 x 1 to 11 x 11 pixels: eliminated in a window up to 7 x 7, one pixel alone, the others as nets are."""
+    region = np.zeros((height, width), bool)
+    corner = 1
+    for side in range(1, 12):
+        region[corner : corner + side, corner : corner + side] = True
+        corner += side
+    return region
+
+
+OWN = {
+    f.__name__: f
+    for f in (loops, net, wide_net, comb, spiral_of_1_pixel, at_edges_and_corners, mixture, squares)
+}
 EVERY = {**{name: SHAPES[name] for name in THIN}, **OWN}
 
 
@@ -169,9 +185,10 @@ def _connected(region: np.ndarray, pixel: tuple[int, int]) -> np.ndarray:
     return labels == labels[pixel]
 
 
-def test_parts_are_those_that_are_connected():
+def test_parts_are_those_that_are_connected(monkeypatch):
     from scipy import ndimage
 
+    monkeypatch.setattr(narrow, "LONG_CALL", 100)
     region = np.random.default_rng(3).random((60, 47)) < 0.45
     parts = narrow.Parts.of(np.flatnonzero(region), region.shape, Arena())
     labels, count = ndimage.label(region)
@@ -182,6 +199,17 @@ def test_parts_are_those_that_are_connected():
     down = np.bincount(labels[1:][region[1:] & region[:-1]], minlength=count + 1)
     across = np.bincount(labels[:, 1:][region[:, 1:] & region[:, :-1]], minlength=count + 1)
     assert np.array_equal(parts.pairs, (down + across)[1:])
+
+
+@pytest.mark.parametrize("size", [(1, 1), (1, 7), (3, 5), (8, 8), (31, 101)], ids=str)
+@pytest.mark.parametrize("unaligned", [0, 3])
+def test_every_unknown_is_found_wherever_the_mask_begins(size, unaligned, monkeypatch):
+    monkeypatch.setattr(narrow, "LONG_CALL", 5)
+    area = size[0] * size[1]
+    pixels = np.random.default_rng(9).random(unaligned + area) < 0.3
+    pixels[-1] = True
+    region = pixels[unaligned:].reshape(size)
+    assert np.array_equal(narrow.places(region, Arena()), np.flatnonzero(region))
 
 
 @pytest.mark.parametrize("size", [(1, 1), (7, 33), (8, 32), (31, 100)], ids=str)
@@ -195,7 +223,19 @@ def test_the_first_look_counts_unknowns_and_pixels_of_their_tiles(size):
         for col in range(0, width, kernels.TILE)
     ]
     pixels = sum(tile.size for tile in tiles if tile.any())
-    assert tuple(int(n) for n in kernels.survey(region, 0, height)) == (region.sum(), pixels)
+    assert tuple(int(n) for n in kernels.survey(region, 0, height, 1)) == (region.sum(), pixels)
+    pairs = np.concatenate([region[row : row + 2] for row in range(0, height, 6)])
+    assert kernels.survey(region, 0, height, 3)[0] == pairs.sum()
+
+
+def test_the_first_look_need_not_see_everything(monkeypatch):
+    monkeypatch.setattr(narrow, "ENOUGH", 5)
+    monkeypatch.setattr(narrow, "BAND", 1)
+    assert solve_multigrid(Case(SHAPES["islands"](*LARGE)).problem()).method == "directly"
+    assert solve_multigrid(Case(SHAPES["disk"](*LARGE)).problem()).method == "multigrid F"
+    speck = np.zeros((40, 40), bool)
+    speck[15:17, 20:23] = True  # between the rows that are looked at
+    assert solve_multigrid(Case(speck).problem()).method == "directly"
 
 
 @pytest.mark.parametrize(
@@ -290,6 +330,41 @@ def test_pictures_are_rounded_right(shape, tool, rule, dtype):
     else:  # of 65,535 in float32 a fraction of a half may be lost
         assert_untouched(image, destination, region)
         assert np.abs(image - np.clip(exact, 0, 65535))[region].max() <= 0.51
+
+
+@pytest.mark.parametrize("shape", [*THIN, "net", "at_edges_and_corners"])
+def test_known_pixels_alone_make_the_same_equations(shape, monkeypatch):
+    """A picture of integers tells what is known beside the region; whatever else it is, it tells band by band."""
+    destination, source = (crop(name, 90, 101) for name in ("coffee.png", "chelsea.png"))
+    region = EVERY[shape](90, 101)
+    image = clone(destination, source, region)
+    monkeypatch.setattr(Window, "rim", lambda window: None)
+    assert np.array_equal(clone(destination, source, region), image)
+
+
+@pytest.mark.parametrize("space", ["rgb", "linear", "lab"])
+@pytest.mark.parametrize("dtype", [np.uint8, np.float32])
+@pytest.mark.parametrize("name", ["clone", "mix", "fill"])
+def test_scattered_pixels_are_painted_like_rows(name, dtype, space, monkeypatch):
+    tool = getattr(cloning, name)
+    scale = dtype(1 if dtype == np.uint8 else 1 / 255)
+    destination, source = (crop(file, 90, 101) * scale for file in ("coffee.png", "chelsea.png"))
+    region = EVERY["at_edges_and_corners"](90, 101)
+    pictures = (destination,) if name == "fill" else (destination, source)
+    edit = tool(*pictures, region, space=space)
+    assert edit.report.method == "directly"
+    monkeypatch.setattr(window, "TOGETHER", 7)
+    assert np.array_equal(tool(*pictures, region, space=space).image, edit.image)
+
+    def in_rows(canvas, place, correction):
+        direct = narrow.DirectSolution(None, place, correction, 0.0)
+        return canvas.paint(direct.add_to, lambda operation: [operation(0, canvas.shape[0])])
+
+    monkeypatch.setattr(Window, "paint_at", in_rows)
+    again = tool(*pictures, region, space=space)
+    assert np.array_equal(again.image, edit.image)
+    assert again.report.clipped == edit.report.clipped
+    assert again.report.overshoot == edit.report.overshoot
 
 
 @pytest.mark.usefixtures("always")

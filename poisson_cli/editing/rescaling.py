@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from poisson_cli.editing.guidance import Field
+from poisson_cli.editing.layers import Band
 from poisson_cli.editing.spaces import Space
 from poisson_cli.editing.window import Window
 from solvers import Guidance, SolveResult
@@ -92,13 +93,19 @@ class Unpainted:
         self.equations = window.equations
         self.rim = window.rim
 
+    def paint_at(self, place: NDArray[np.int64], correction: NDArray[np.float64]) -> Values:
+        """The same of a correction to single pixels."""
+        solution = self.paint(lambda rows, top: None, _at_once(self._window))
+        solution.reshape(-1, self.shape[2])[place] += correction
+        return solution
+
     def paint(self, correct: Correct, share: Share) -> Values:
         """The solution before it becomes stored values."""
         solution = np.empty(self.shape, self._window.space.dtype)
 
         def rows(first: int, end: int) -> None:
             for low, high, layers in self._window.bands(first, end):
-                values, _, _ = self._window.guess(low, high, layers)
+                values, _, _ = self._window.guess(Band(*layers, low, high))
                 correct(values, low)
                 solution[low:high] = values
 
@@ -111,7 +118,7 @@ def largest_scale(window: Window, f: Values, m: Values) -> float:
     low, high = window.range()
     leaving = []
     for first, end, layers in window.bands(0, len(f)):
-        _, before, stored = window.guess(first, end, layers)
+        _, before, stored = window.guess(Band(*layers, first, end))
         there = window.region[first:end]
         parts = [
             None if part is None else part[there] for part in (f[first:end], m[first:end], before, stored)

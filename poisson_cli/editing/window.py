@@ -22,6 +22,9 @@ from solvers.canvas import Correct, Equations, Rim, Share, Values, bands, with_c
 # Boundary pixels that are looked at for the share of outliers; of more, every so manieth.
 SAMPLE = 1 << 14
 
+# Pixels that are painted together, where they are scattered.
+TOGETHER = 1 << 14
+
 # The destination and the source.
 Layers = tuple[Layer, Layer | None]
 
@@ -132,7 +135,7 @@ class Window:
                     picture[top + low : top + high] = self._picture[top + low : top + high]
                     if not self.region[low:high].any():
                         continue  # between parts that lie far apart
-                    working, before, stored = self.guess(low, high, layers)
+                    working, before, stored = self.guess(Band(*layers, low, high))
                     correct(working, low)
                     values = self.space.to_stored(working, before, stored)
                     rows, region = picture[top + low : top + high], self.region[low:high]
@@ -145,17 +148,38 @@ class Window:
             self.overshoot = max(overshoot for _, overshoot in left)
         return picture
 
-    def guess(self, first: int, end: int, layers: Layers) -> tuple[Values, Values | None, Values | None]:
-        """The first guess of f in rows of the window: a, where nothing is known of the mean of f*.
+    def paint_at(self, place: NDArray[np.int64], correction: NDArray[np.float64]) -> NDArray[Any]:
+        """The same where Omega is a few pixels here and there, none of which is looked at but those."""
+        with self.paste_time:
+            picture = self._picture.copy()
+            window = with_channels(self._placement.on_destination(picture))
+            self.clipped, self.overshoot = 0, 0.0
+            for first in range(0, len(place), TOGETHER):
+                here = slice(first, first + TOGETHER)
+                row = place[here] // window.shape[1]
+                col = place[here] - row * window.shape[1]
+                points = Points(self._destination, self._source, row, col)
+                working, before, stored = self.guess(points)
+                working += correction[here]
+                values = self.space.to_stored(working, before, stored)
+                pixels = np.empty((1, *values.shape), picture.dtype)
+                clipped, overshoot = tone.paste(
+                    pixels, values[np.newaxis], np.ones((1, len(row)), np.bool_), 0
+                )
+                self.clipped, self.overshoot = self.clipped + clipped, max(self.overshoot, overshoot)
+                window[row, col] = pixels[0]
+        return picture
+
+    def guess(self, band: Band) -> tuple[Values, Values | None, Values | None]:
+        """The first guess of f there: a, where nothing is known of the mean of f*.
 
         And for spaces that must know (`Space.to_stored`), if a is a picture: its working values once more, and its
-        stored ones.  `layers` are what `bands` hands out with the rows.
+        stored ones.
         """
-        base = self.field.base(Band(*layers, first, end))
+        base = self.field.base(band)
         before = stored = None
-        layer = {None: None, "destination": layers[0], "source": layers[1]}[self.field.picture]
-        if layer is not None and not isinstance(self.space, AsStored):
-            before, stored = base.copy(), layer.stored_rows(first, end)
+        if self.field.picture is not None and not isinstance(self.space, AsStored):
+            before, stored = base.copy(), band.stored(self.field.picture)
         if self._shift is not None:
             base += self._shift
         return base, before, stored

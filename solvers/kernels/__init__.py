@@ -17,6 +17,8 @@ A kernel that reports the largest change compares the bit patterns of absolute v
 order of the values, NaN and infinity stand above everything, so neither can hide, and it vectorises without `fastmath`.
 They are kept in 32 bits, which numba's own `max` would make 64.
 
+Unknowns that are scattered over a picture are waited for, each of them: `prefetch` asks for what the next ones need.
+
     setup     from a region to the coefficients of all levels
     cycle     relaxation, restriction, interpolation, exact solution: the steps of a cycle
     exact     between pictures and the layout, and between float32 and float64

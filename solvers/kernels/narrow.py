@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from solvers.kernels.policy import inlined, jit
+from solvers.kernels.policy import inlined, jit, loops
+from solvers.native.prefetch import prefetch
 
 KNOWN, BEYOND = -1, -2  # in place of a neighbour's number: the pixel is known, the image ends
 
@@ -24,7 +25,10 @@ FEWEST = 2  # neighbours: what a stroke has at its end
 
 u = np.uint64  # what arrays are indexed with, see solvers.kernels
 
+WINDOW = 8  # equations at hand in `solve_in_window`
+
 TILE = 32  # columns, see `survey`
+AHEAD = 24  # unknowns: how far before its turn its pixels are asked for
 
 ABS_BITS = np.int64(0x7FFFFFFFFFFFFFFF)  # all but the sign of a float64
 
@@ -35,21 +39,18 @@ def bits_of(value):
     return np.float64(value).view(np.int64) & ABS_BITS
 
 
-@inlined
-def value_of(bits):
-    """The value with this bit pattern."""
-    return np.int64(bits).view(np.float64)
-
-
 # --- a first look -------------------------------------------------------------------------------------------------
 
 
 @jit
-def survey(region, first, end):
-    """Unknowns in rows first ... end, and pixels of the tiles of 2 x TILE that hold some; `first` is even."""
+def survey(region, first, end, step):
+    """Unknowns in rows first ... end, and pixels of the tiles of 2 x TILE that hold some; `first` is even.
+
+    Of the pairs of rows one in `step` is looked at.
+    """
     width = region.shape[1]
     unknowns = pixels = np.int64(0)
-    for row in range(first, end, 2):
+    for row in range(first, end, 2 * step):
         upper, lower = region[row], region[min(row + 1, end - 1)]
         for low in range(0, width, TILE):
             a, b = upper[low : min(low + TILE, width)], lower[low : min(low + TILE, width)]
@@ -69,68 +70,88 @@ def survey(region, first, end):
 
 
 @jit
-def link(near, place, height, width):
-    """The neighbours of all unknowns, which are numbered in reading order.
+def locate(place, count, words, pixels, first, end):
+    """The places of unknowns among words first ... end of the region, behind `count` that are known already.
 
-    near: (n, 4) int32, the numbers of the north, west, east and south neighbour, or KNOWN, or BEYOND.
-    place: (n,) int64, row * width + column of the unknowns, ascending.
+    words: the region's pixels in eights; the last word may lack some.  pixels: (height * width,) bool.  place: one
+    longer than there are unknowns.  Returns how many are known now.
     """
-    n = place.shape[0]
-    above = np.int64(0)  # the first unknown not before the pixel north of this one
-    row, next_row = np.int64(0), np.int64(width)
-    for i in range(n):
-        at = place[i]
-        while at >= next_row:
-            row += 1
-            next_row += width
-        near[i, 0] = BEYOND if row == 0 else KNOWN
-        near[i, 1] = BEYOND if at == next_row - width else KNOWN
-        near[i, 2] = BEYOND if at == next_row - 1 else KNOWN
-        near[i, 3] = BEYOND if row == height - 1 else KNOWN
-        while place[above] < at - width:
-            above += 1
-        if place[above] == at - width:
-            near[i, 0] = above
-            near[above, 3] = i
-        if near[i, 1] == KNOWN and i > 0 and place[i - 1] == at - 1:
-            near[i, 1] = i - 1
-            near[i - 1, 2] = i
+    for word in range(first, end):
+        if word == words.shape[0] or words[u(word)] != 0:
+            for i in range(8 * word, min(8 * word + 8, pixels.shape[0])):
+                place[u(count)] = i  # if it is none, the next one comes here
+                count += pixels[u(i)]
+    return count
+
+
+@inlined
+def root_of(part, i):
+    """The first unknown of those that are known to be in the part of unknown i; makes the way there shorter."""
+    while part[u(i)] != i:
+        part[u(i)] = part[u(part[u(i)])]
+        i = np.int64(part[u(i)])
+    return i
 
 
 @jit
-def find_parts(part, queue, starts, pairs, near, seed, count, enough):
-    """Parts of the region that are connected, by breadth-first search from each first unknown in reading order.
+def link(near, part, place, height, width, above, first, end):
+    """The neighbours of unknowns first ... end, which are numbered in reading order.
 
-    part: (n,) int32, the number of an unknown's part, negative where it has none yet.  queue: (n,) int32, scratch.
-    starts: (n + 1,) int32, per part the number of unknowns in all parts before it.  pairs: (n,) int32, per part the
-    pairs of neighbours.
+    near: (n, 4) int32, the numbers of the north, west, east and south neighbour, or KNOWN, or BEYOND.  part: (n,)
+    int32, a lower number in the same part, or an unknown's own if there is none: what `number_parts` starts from.
+    place: (n,) int64, row * width + column of the unknowns, ascending.
 
-    Goes on from unknown `seed` with `count` parts found, until at least `enough` more unknowns are done.  Returns the
-    next seed and the number of parts.
+    above: the first unknown not before the pixel north of this one, or any before that; returns that of the next.
     """
-    n = part.shape[0]
-    begun = tail = np.int64(starts[count])
-    while seed < n and tail - begun < enough:
-        if part[seed] < 0:
-            head = tail
-            queue[tail], part[seed] = seed, count
-            tail += 1
-            ends = np.int64(0)
-            while head < tail:
-                i = np.int64(queue[head])
-                head += 1
-                for side in range(4):
-                    other = np.int64(near[i, side])
-                    if other >= 0:
-                        ends += 1
-                        if part[other] < 0:
-                            queue[tail], part[other] = other, count
-                            tail += 1
-            pairs[count] = ends // 2
+    row = place[first] // width
+    next_row = (row + 1) * width
+    for i in range(first, end):
+        at = place[u(i)]
+        while at >= next_row:
+            row += 1
+            next_row += width
+        north = np.int64(BEYOND if row == 0 else KNOWN)
+        west = np.int64(BEYOND if at == next_row - width else KNOWN)
+        near[u(i), 2] = BEYOND if at == next_row - 1 else KNOWN
+        near[u(i), 3] = BEYOND if row == height - 1 else KNOWN
+        root = np.int64(i)
+        part[u(i)] = i
+        if west == KNOWN and i > 0 and place[u(i - 1)] == at - 1:
+            west = np.int64(i - 1)
+            near[u(west), 2] = i
+            root = root_of(part, west)
+            part[u(i)] = root
+        while place[u(above)] < at - width:
+            above += 1
+        if place[u(above)] == at - width:
+            north = above
+            near[u(north), 3] = i
+            other = root_of(part, north)
+            part[u(max(root, other))] = min(root, other)
+        near[u(i), 0], near[u(i), 1] = north, west
+    return above
+
+
+@jit
+def number_parts(part, starts, pairs, near, count, first, end):
+    """Numbers of the parts of unknowns first ... end, `count` parts having been found in those before.
+
+    Parts are numbered in the order of their first unknowns.  part: of `link`; becomes the part's number.  starts: (n +
+    1,) int32, the size of part k goes to starts[k + 1].  pairs: (n,) int32, the pairs of neighbours in each.
+    """
+    for i in range(first, end):
+        ahead = np.int64(part[u(i)])
+        k = count
+        if ahead == i:
+            starts[u(k + 1)], pairs[u(k)] = 0, 0
             count += 1
-            starts[count] = tail
-        seed += 1
-    return seed, count
+        else:
+            k = np.int64(part[u(ahead)])  # a number already
+        part[u(i)] = k
+        starts[u(k + 1)] += 1
+        for side in range(2):
+            pairs[u(k)] += near[u(i), side] >= 0
+    return count
 
 
 @jit
@@ -138,60 +159,107 @@ def sort_parts(order, rank, ends, part, starts):
     """Unknowns part by part, in reading order within each.
 
     order: (n,) int32, their numbers.  rank: (n,) int32, where a number stands in it.  ends: (n_parts,) int32, scratch.
+    starts: (n_parts + 1,) int32, of `number_parts`; becomes where each part begins, and where the last one ends.
     """
+    starts[0] = 0
     for k in range(ends.shape[0]):
-        ends[k] = starts[k]
+        ends[u(k)] = starts[u(k)]
+        starts[u(k + 1)] += starts[u(k)]
     for i in range(part.shape[0]):
-        at = ends[part[i]]
-        order[at], rank[i] = i, at
-        ends[part[i]] = at + 1
+        k = part[u(i)]
+        at = ends[u(k)]
+        order[u(at)], rank[u(i)] = i, at
+        ends[u(k)] = at + 1
 
 
 # --- right-hand side and solution --------------------------------------------------------------------------------
 
 
 @jit
-def sum_pairs(b, place, near, values, across, down, rhs, top, low, high):
+def sum_pairs(b, place, values, across, down, rhs, height, top, low, high):
     """b_p = rhs_p + sum over q of v_pq - (f_p - f_q), in float64, for the unknowns low ... high.
 
     b: (n, channels) float64.  values: (rows, width, channels) f, known outside the region, first guess inside; row
-    `top` of the image comes first.  across, down: v on pixel pairs (`Guidance`); rhs: like values; arrays without rows
-    stand for zeros.
+    `top` of the image of this height comes first.  across, down: v on pixel pairs (`Guidance`); rhs: like values;
+    arrays without rows stand for zeros.
     """
     width, channels = values.shape[1:]
-    f = values.reshape(-1)
+    line = width * channels
+    f, v_across, v_down, more = values.reshape(-1), across.reshape(-1), down.reshape(-1), rhs.reshape(-1)
     guided, weighed = across.shape[0] + down.shape[0] > 0, rhs.shape[0] > 0
     row, next_row = np.int64(top), (np.int64(top) + 1) * width
     for i in range(low, high):
-        while place[i] >= next_row:
+        at = place[u(i)]
+        while at >= next_row:
             row += 1
             next_row += width
-        y, x = row - top, place[i] - (next_row - width)
-        own = (y * width + x) * channels
-        for channel in range(channels):
-            at = own + channel
-            here = np.float64(f[at])
-            total = 0.0
-            if near[i, 0] != BEYOND:
-                total += np.float64(f[at - width * channels]) - here
-            if near[i, 3] != BEYOND:
-                total += np.float64(f[at + width * channels]) - here
-            if near[i, 1] != BEYOND:
-                total += np.float64(f[at - channels]) - here
-            if near[i, 2] != BEYOND:
-                total += np.float64(f[at + channels]) - here
+        y, x = row - top, at - (next_row - width)
+        own, pair = (y * width + x) * channels, (y * (width - 1) + x) * channels
+
+        ahead = (place[u(min(i + AHEAD, high - 1))] - top * width) * channels
+        prefetch(f, ahead)
+        prefetch(f, ahead - line)
+        prefetch(f, ahead + line)
+        if guided:
+            prefetch(v_down, ahead)
+            prefetch(v_down, ahead - line)
+            prefetch(v_across, ahead - y * channels)
+        if weighed:
+            prefetch(more, ahead)
+
+        north, south, west, east = row > 0, row < height - 1, x > 0, x < width - 1
+        # In place of a pixel beyond the edge stands the pixel itself.
+        above, below, left, right = north * line, south * line, west * channels, east * channels
+        for c in range(channels):
+            o, p = own + c, pair + c
+            here = np.float64(f[u(o)])
+            total = (np.float64(f[u(o - above)]) - here) + (np.float64(f[u(o + below)]) - here)
+            total += (np.float64(f[u(o - left)]) - here) + (np.float64(f[u(o + right)]) - here)
             if guided:
-                if near[i, 0] != BEYOND:
-                    total -= np.float64(down[y - 1, x, channel])
-                if near[i, 3] != BEYOND:
-                    total += np.float64(down[y, x, channel])
-                if near[i, 1] != BEYOND:
-                    total -= np.float64(across[y, x - 1, channel])
-                if near[i, 2] != BEYOND:
-                    total += np.float64(across[y, x, channel])
+                if north:
+                    total -= np.float64(v_down[u(o - line)])
+                if south:
+                    total += np.float64(v_down[u(o)])
+                if west:
+                    total -= np.float64(v_across[u(p - channels)])
+                if east:
+                    total += np.float64(v_across[u(p)])
             if weighed:
-                total += np.float64(rhs[y, x, channel])
-            b[i, channel] = total
+                total += np.float64(more[u(o)])
+            b[u(i), u(c)] = total
+
+
+@inlined
+def find(place, k, wanted):
+    """The first k, no less than this one, whose place is not before the wanted one; or the last."""
+    while k < place.shape[0] - 1 and place[u(k)] < wanted:
+        k += 1
+    return k
+
+
+@jit
+def sum_rim(b, place, values, rows, cols, width):
+    """The same where the first guess and v are zero: b += the known values beside each unknown; b holds zeros.
+
+    values: (n, channels) of the known pixels in `rows` and `cols`, in reading order.
+    """
+    n, channels = values.shape
+    north, west, east, south = np.int64(0), np.int64(0), np.int64(0), np.int64(0)
+    for i in range(n):
+        row, col = rows[u(i)], cols[u(i)]
+        at = row * width + col
+        north, west = find(place, north, at - width), find(place, west, at - 1)
+        east, south = find(place, max(east, west), at + 1), find(place, south, at + width)
+        beside = (
+            (place[u(north)] == at - width, north),
+            (place[u(west)] == at - 1 and col > 0, west),
+            (place[u(east)] == at + 1 and col < width - 1, east),
+            (place[u(south)] == at + width, south),
+        )
+        for there, k in beside:
+            if there:
+                for c in range(channels):
+                    b[u(k), u(c)] += values[u(i), u(c)]
 
 
 @jit
@@ -201,45 +269,127 @@ def add_at(guess, solution, place, low, high, top):
     guess: (rows, width, channels), of which row `top` of the image comes first.  solution: (n, channels) float64.
     """
     width, channels = guess.shape[1:]
-    flat = guess.reshape(-1)
+    flat, before = guess.reshape(-1), top * width
     for i in range(low, high):
-        at = (place[i] - top * width) * channels
-        for channel in range(channels):
-            flat[at + channel] += solution[i, channel]
+        prefetch(flat, (place[u(min(i + AHEAD, high - 1))] - before) * channels)
+        at = (place[u(i)] - before) * channels
+        for c in range(channels):
+            flat[u(at + c)] += solution[u(i), u(c)]
 
 
-# --- elimination -------------------------------------------------------------------------------------------------
+# --- elimination in reading order --------------------------------------------------------------------------------
+
+
+@loops
+def add_scaled(sums, to, others, a, factor, n):
+    """sums[to ...] += factor * others[a ...], n of them."""
+    for k in range(u(n)):
+        sums[u(to) + k] += factor * others[u(a) + k]
 
 
 @inlined
-def add_scaled(sums, to, a, factor, width):
-    """sums[to ...] += factor * sums[a ...], `width` of them; four, for three channels, without a loop."""
+def add_channels(sums, to, a, factor, width):
+    """sums[to ...] += factor * sums[a ...], `width` of them; four, for three channels, in one go."""
     if width == 4:
-        a0, a1, a2, a3 = sums[u(a)], sums[u(a + 1)], sums[u(a + 2)], sums[u(a + 3)]
-        t0, t1, t2, t3 = sums[u(to)], sums[u(to + 1)], sums[u(to + 2)], sums[u(to + 3)]
-        sums[u(to)] = t0 + factor * a0
-        sums[u(to + 1)] = t1 + factor * a1
-        sums[u(to + 2)] = t2 + factor * a2
-        sums[u(to + 3)] = t3 + factor * a3
+        add_scaled(sums, to, sums, a, factor, 4)
     else:
-        for c in range(width):
-            sums[u(to + c)] += factor * sums[u(a + c)]
+        add_scaled(sums, to, sums, a, factor, width)
+
+
+@loops
+def scale_row(sums, to, others, a, factor, n):
+    """sums[to ...] = factor * others[a ...], n of them."""
+    for k in range(u(n)):
+        sums[u(to) + k] = factor * others[u(a) + k]
 
 
 @inlined
-def position(nodes, base, degree, wanted):
-    """Where `wanted` stands among the neighbours that begin at `base`; `degree` if it is none of them."""
-    s = np.int64(0)
-    while s < degree and nodes[u(base + s)] != wanted:
-        s += 1
-    return s
+def neighbours(near, i):
+    """How many neighbours of unknown i are inside the image."""
+    inside = 0.0
+    for side in range(4):
+        inside += near[u(i), side] != BEYOND
+    return inside
+
+
+@jit
+def reach_of(near, order, rank, start, n):
+    """How far apart neighbours in a part are, in reading order; the part's n unknowns begin at `start` in `order`."""
+    reach = np.int64(0)
+    for at in range(start, start + n):
+        i = order[u(at)]
+        north, west = near[u(i), 0], near[u(i), 1]
+        if west >= 0:
+            reach = max(reach, np.int64(1))
+        if north >= 0:
+            reach = max(reach, at - rank[u(north)])
+    return reach
 
 
 @inlined
-def eliminate_one(nodes, sums, v, width, room):
-    """Takes unknown v out of the equations of its neighbours."""
+def enter(window, b, near, order, rank, start, k, width):
+    """Writes the equation of a part's unknown k into the window: what is known of it, and of earlier unknowns."""
+    span, slot = WINDOW + width, k % WINDOW
+    own, i = slot * span, np.int64(order[u(start + k)])
+    for j in range(u(WINDOW)):
+        window[u(own) + j] = 0.0
+    window[u(own + slot)] = neighbours(near, i)
+    for side in range(2):
+        other = np.int64(near[u(i), side])
+        if other >= 0:
+            there = (rank[u(other)] - start) % WINDOW
+            window[u(own + there)] = window[u(there * span + slot)] = -1.0
+    for c in range(width - 1):
+        window[u(own + WINDOW + c)] = b[u(i), u(c)]
+    window[u(own + WINDOW + width - 1)] = 1.0
+
+
+@jit
+def solve_in_window(sums, window, b, near, order, rank, start, n, reach, width):
+    """Solves A x = b on a part in which neighbours are at most `reach` < WINDOW apart, eliminating in reading order.
+
+    Eliminating an unknown changes no equation but the next `reach`.  The window holds those: row and column of unknown
+    k are its k mod WINDOW, and `width` channels of b follow.  Row k of `sums` is what its equation was at its turn, by
+    d_k; x takes the place of b there.
+    """
+    span = WINDOW + width
+    entered = np.int64(0)
+    for k in range(n):
+        last = min(k + reach, n - 1)
+        while entered <= last:
+            enter(window, b, near, order, rank, start, entered, width)
+            entered += 1
+        slot = k % WINDOW
+        own, row = slot * span, k * span
+        inverse = 1.0 / window[u(own + slot)]
+        scale_row(sums, row, window, own, inverse, span)
+        for other in range(k + 1, last + 1):
+            there = other % WINDOW * span
+            weight = window[u(there + slot)]
+            if width == 4:
+                add_scaled(window, there, sums, row, -weight, WINDOW + 4)
+            else:
+                add_scaled(window, there, sums, row, -weight, span)
+            window[u(there + slot)] = 0.0
+    for back in range(n):
+        k = n - 1 - back
+        row = k * span
+        for other in range(k + 1, min(k + reach, n - 1) + 1):
+            weight = sums[u(row + other % WINDOW)]
+            add_channels(sums, row + WINDOW, other * span + WINDOW, -weight, width)
+
+
+# --- elimination, unknowns with few neighbours first --------------------------------------------------------------
+
+
+@inlined
+def eliminate_one(nodes, sums, marks, stack, top, limit, v, d, width, room):
+    """Takes unknown v out of the equations of its d neighbours.
+
+    Those that have no more than `limit` neighbours left are put on the stack, which held `top`; returns how many it
+    holds now.
+    """
     stride, span, weights = LINKS + room, SUMS + width + room, SUMS + width
-    d = np.int64(nodes[u(v * stride + DEGREE)])
     links, own = v * stride + LINKS, v * span
     inverse = 1.0 / sums[u(own + DIAGONAL)]
     sums[u(own + DIAGONAL)] = inverse
@@ -249,23 +399,32 @@ def eliminate_one(nodes, sums, v, width, room):
         base, there = q * stride + LINKS, q * span
         share = weight * inverse
         sums[u(there + DIAGONAL)] -= share * weight
-        add_scaled(sums, there + SUMS, own + SUMS, share, width)
+        add_channels(sums, there + SUMS, own + SUMS, share, width)
+        # Where each neighbour of q stands in its record.  What was marked before is wrong, and found to be so.
+        degree = np.int64(nodes[u(q * stride + DEGREE)])
+        for at in range(degree):
+            marks[u(nodes[u(base + at)])] = at
         # q forgets v, and comes to know the others.
-        degree = np.int64(nodes[u(q * stride + DEGREE)]) - 1
-        s = position(nodes, base, degree, v)
-        nodes[u(base + s)] = nodes[u(base + degree)]
+        degree -= 1
+        s, last = np.int64(marks[u(v)]), np.int64(nodes[u(base + degree)])
+        nodes[u(base + s)], marks[u(last)] = last, s
         sums[u(there + weights + s)] = sums[u(there + weights + degree)]
         for o in range(d):
             if o != p:
                 r = np.int64(nodes[u(links + o)])
                 more = (weight * sums[u(own + weights + o)]) * inverse
-                s = position(nodes, base, degree, r)
-                if s < degree:
+                s = np.int64(marks[u(r)])
+                if s < degree and nodes[u(base + s)] == r:
                     sums[u(there + weights + s)] += more
                 else:
-                    nodes[u(base + s)], sums[u(there + weights + s)] = r, more
+                    nodes[u(base + degree)], sums[u(there + weights + degree)] = r, more
                     degree += 1
         nodes[u(q * stride + DEGREE)] = degree
+        if degree <= limit and nodes[u(q * stride + STATE)] == WAITING:
+            nodes[u(q * stride + STATE)] = STACKED
+            stack[u(top)] = q
+            top += 1
+    return top
 
 
 @inlined
@@ -281,7 +440,7 @@ def crowded(nodes, v, room):
 
 
 @jit
-def eliminate(nodes, sums, stack, sequence, n, width, room, effort):
+def eliminate(nodes, sums, marks, stack, left, sequence, n, width, room, effort):
     """Eliminates unknowns, those with few neighbours first, as long as there is room; returns how many.
 
     Eliminating x_p = (b_p + sum of w_pq x_q) / d_p leaves its neighbours coupled with each other, by w_pq w_pr / d_p
@@ -290,23 +449,31 @@ def eliminate(nodes, sums, stack, sequence, n, width, room, effort):
     First come all that have up to two neighbours, or have no more by then, next all with three, and so on.  Whoever
     loses a neighbour is looked at at once, so that a stroke is followed from its end.
 
-    nodes, sums: a record of each unknown, with `room` for neighbours and `width` channels.  stack: (n,), scratch.
-    sequence: the unknowns in the order of elimination.  effort: steps to take at most; returns -1 if it takes more.
+    nodes, sums: a record of each unknown, with `room` for neighbours and `width` channels.  marks, stack, left: (n,),
+    scratch.  sequence: the unknowns in the order of elimination.  effort: steps to take at most; returns -1 if it takes
+    more.
     """
     stride = LINKS + room
     for k in range(n):
-        nodes[k * stride + STATE] = WAITING
-    done = np.int64(0)
+        nodes[u(k * stride + STATE)] = WAITING
+        left[u(k)], marks[u(k)] = k, 0
+    done, remaining = np.int64(0), np.int64(n)
     for limit in range(FEWEST, room - SPARE + 1):
-        for seed in range(n):
+        waiting, remaining = remaining, np.int64(0)
+        for k in range(waiting):
+            seed = np.int64(left[u(k)])
             at = seed * stride
-            if nodes[u(at + STATE)] != WAITING or nodes[u(at + DEGREE)] > limit:
+            if nodes[u(at + STATE)] != WAITING:
+                continue
+            left[u(remaining)] = seed
+            remaining += 1
+            if nodes[u(at + DEGREE)] > limit:
                 continue
             stack[0] = seed
-            top = 1
+            top = np.int64(1)
             while top > 0:
                 top -= 1
-                v = np.int64(stack[top])
+                v = np.int64(stack[u(top)])
                 at = v * stride
                 nodes[u(at + STATE)] = WAITING
                 d = np.int64(nodes[u(at + DEGREE)])
@@ -315,15 +482,15 @@ def eliminate(nodes, sums, stack, sequence, n, width, room, effort):
                 effort -= (d + 1) * (d + 1)
                 if effort < 0:
                     return -1
-                eliminate_one(nodes, sums, v, width, room)
-                sequence[done] = v
+                # Most have two or three, and a loop of known length is left without a wrong guess of the processor.
+                if d == 2:
+                    top = eliminate_one(nodes, sums, marks, stack, top, limit, v, 2, width, room)
+                elif d == 3:
+                    top = eliminate_one(nodes, sums, marks, stack, top, limit, v, 3, width, room)
+                else:
+                    top = eliminate_one(nodes, sums, marks, stack, top, limit, v, d, width, room)
+                sequence[u(done)] = v
                 done += 1
-                for p in range(d):
-                    q = np.int64(nodes[u(at + LINKS + p)])
-                    if nodes[u(q * stride + STATE)] == WAITING and nodes[u(q * stride + DEGREE)] <= limit:
-                        stack[top] = q
-                        nodes[u(q * stride + STATE)] = STACKED
-                        top += 1
     return done
 
 
@@ -337,7 +504,7 @@ def substitute(nodes, sums, sequence, done, width, room):
         inverse = sums[u(own + DIAGONAL)]
         for p in range(nodes[u(v * stride + DEGREE)]):
             there = np.int64(nodes[u(links + p)]) * span
-            add_scaled(sums, own + SUMS, there + SUMS, sums[u(own + weights + p)], width)
+            add_channels(sums, own + SUMS, there + SUMS, sums[u(own + weights + p)], width)
         for c in range(SUMS, SUMS + width):
             sums[u(own + c)] *= inverse
 
@@ -418,19 +585,23 @@ def solve_core(core, nodes, sums, n, size, width, room):
 
 
 @jit
-def solve_records(nodes, sums, large_nodes, large_sums, stack, sequence, core, n, width, effort):
+def solve_records(
+    nodes, sums, large_nodes, large_sums, marks, stack, waiting, sequence, core, n, width, effort
+):
     """x in place of b in the records of one part; whether that took no more than `effort` steps, and no more scratch.
 
     nodes, sums: records with `ROOM`.  large_nodes, large_sums: scratch, records with `LARGE_ROOM`.
     """
-    done = eliminate(nodes, sums, stack, sequence, n, width, ROOM, effort)
+    done = eliminate(nodes, sums, marks, stack, waiting, sequence, n, width, ROOM, effort)
     left = n - done
     if done < 0 or left * (LINKS + LARGE_ROOM) > large_nodes.shape[0]:
         return False
     if left > 0:
         condense(large_nodes, large_sums, nodes, sums, n, width, ROOM, LARGE_ROOM)
         order = sequence[done:]
-        more = eliminate(large_nodes, large_sums, stack, order, left, width, LARGE_ROOM, effort)
+        more = eliminate(
+            large_nodes, large_sums, marks, stack, waiting, order, left, width, LARGE_ROOM, effort
+        )
         size = left - more
         if more < 0 or size > core.shape[0] or size * size * size > CORE_STEPS * effort:
             return False
@@ -443,61 +614,104 @@ def solve_records(nodes, sums, large_nodes, large_sums, stack, sequence, core, n
 
 
 @jit
+def record(nodes, sums, b, near, order, rank, start, n, width):
+    """Records of a part's n unknowns, which begin at `start` in `order`."""
+    stride, span, weights = LINKS + ROOM, SUMS + width + ROOM, SUMS + width
+    for v in range(n):
+        i = np.int64(order[u(start + v)])
+        links, own = v * stride + LINKS, v * span
+        degree = np.int64(0)
+        for side in range(4):
+            other = np.int64(near[u(i), side])
+            if other >= 0:
+                nodes[u(links + degree)], sums[u(own + weights + degree)] = rank[u(other)] - start, 1.0
+                degree += 1
+        nodes[u(v * stride + DEGREE)] = degree
+        sums[u(own + DIAGONAL)] = neighbours(near, i)
+        for c in range(width - 1):
+            sums[u(own + SUMS + c)] = b[u(i), u(c)]
+        sums[u(own + SUMS + width - 1)] = 1.0
+
+
+@inlined
+def take(x, sums, span, channel, order, start, n):
+    """x of a part's n unknowns, that of unknown k from k * span + channel; returns the largest of what is behind it."""
+    channels = x.shape[1]
+    largest = 0.0
+    for k in range(n):
+        i, own = np.int64(order[u(start + k)]), k * span + channel
+        for c in range(channels):
+            x[u(i), u(c)] = sums[u(own + c)]
+        largest = max(largest, sums[u(own + channels)])
+    return largest
+
+
+@jit
 def solve_parts(
-    b, solved, nodes, sums, large_nodes, large_sums, stack, sequence, core,
-    near, order, rank, starts, first, end, effort,
+    x, softness, solved, nodes, sums, large_nodes, large_sums, marks, stack, waiting, sequence, core, window,
+    b, near, order, rank, starts, first, end, effort,
 ):  # fmt: skip
-    """Solves A x = b on the parts first ... end of the region; x takes the place of b.
+    """Solves A x = b on the parts first ... end of the region.
 
-    b: (n, channels) float64.  solved: per part, whether it was: it is not if that takes more than `effort` steps per
-    unknown, or more scratch.  The arrays in between are scratch for the largest part; see `solve_records`.  near,
-    order, rank, starts: of `link` and `find_parts`.
-
-    Returns the bit pattern of a bound of the largest error: max A^-1 1 times the largest residual, per part.
+    x, b: (n, channels) float64.  softness: per part, max A^-1 1.  solved: per part, whether it was: it is not if that
+    takes more than `effort` steps per unknown, or more scratch.  The arrays in between are scratch for the largest
+    part; see `solve_records`, and `solve_in_window`.  near, order, rank, starts: of `link` and `sort_parts`.
     """
     channels = b.shape[1]
     width = channels + 1  # the last one is for A z = 1
-    stride, span, weights = LINKS + ROOM, SUMS + width + ROOM, SUMS + width
-    largest = np.int64(0)
     for part in range(first, end):
-        start = np.int64(starts[part])
-        n = np.int64(starts[part + 1]) - start
-        for v in range(n):
-            i = np.int64(order[start + v])
-            degree, inside = np.int64(0), np.int64(0)
-            for side in range(4):
-                other = np.int64(near[i, side])
-                inside += other != BEYOND
-                if other >= 0:
-                    nodes[v * stride + LINKS + degree] = rank[other] - start
-                    sums[v * span + weights + degree] = 1.0
-                    degree += 1
-            nodes[v * stride + DEGREE] = degree
-            sums[v * span + DIAGONAL] = inside
+        start = np.int64(starts[u(part)])
+        n = np.int64(starts[u(part + 1)]) - start
+        solved[u(part)] = True
+        if n == 1:
+            i = np.int64(order[u(start)])
+            inside = neighbours(near, i)
+            softness[u(part)] = 1.0 / inside
             for c in range(channels):
-                sums[v * span + SUMS + c] = b[i, c]
-            sums[v * span + SUMS + channels] = 1.0
-        solved[part] = solve_records(
-            nodes, sums, large_nodes, large_sums, stack, sequence, core, n, width, effort * n
-        )
-        if not solved[part]:
+                x[u(i), u(c)] = b[u(i), u(c)] / inside
             continue
-        softest, residual = np.int64(0), np.int64(0)
-        for v in range(n):
-            i = np.int64(order[start + v])
-            softest = max(softest, bits_of(sums[v * span + SUMS + channels]))
-            for c in range(channels):
-                x = sums[v * span + SUMS + c]
-                r = b[i, c]
-                for side in range(4):
-                    other = np.int64(near[i, side])
-                    if other >= 0:
-                        r += sums[(np.int64(rank[other]) - start) * span + SUMS + c] - x
-                    elif other == KNOWN:
-                        r -= x
-                residual = max(residual, bits_of(r))
-        for v in range(n):
-            for c in range(channels):
-                b[np.int64(order[start + v]), c] = sums[v * span + SUMS + c]
-        largest = max(largest, bits_of(value_of(softest) * value_of(residual)))
-    return largest
+        reach = reach_of(near, order, rank, start, n)
+        if reach < WINDOW:
+            span, channel = WINDOW + width, np.int64(WINDOW)
+            solve_in_window(sums, window, b, near, order, rank, start, n, reach, width)
+        else:
+            span, channel = SUMS + width + ROOM, np.int64(SUMS)
+            record(nodes, sums, b, near, order, rank, start, n, width)
+            solved[u(part)] = solve_records(
+                nodes,
+                sums,
+                large_nodes,
+                large_sums,
+                marks,
+                stack,
+                waiting,
+                sequence,
+                core,
+                n,
+                width,
+                effort * n,
+            )
+        softness[u(part)] = take(x, sums, span, channel, order, start, n)
+
+
+@jit
+def find_residuals(largest, x, b, near, part, first, end):
+    """Per part the bit pattern of the largest |b - A x| at its unknowns, of which first ... end are looked at now."""
+    for i in range(first, end):
+        inside, k = neighbours(near, i), np.int64(part[u(i)])
+        # In place of a neighbour that is none stands the unknown itself.
+        north, west, east, south = near[u(i), 0], near[u(i), 1], near[u(i), 2], near[u(i), 3]
+        if north < 0:
+            north, inside = i, inside + 1.0
+        if west < 0:
+            west, inside = i, inside + 1.0
+        if east < 0:
+            east, inside = i, inside + 1.0
+        if south < 0:
+            south, inside = i, inside + 1.0
+        worst = largest[u(k)]
+        for c in range(x.shape[1]):
+            others = (x[u(north), u(c)] + x[u(south), u(c)]) + (x[u(west), u(c)] + x[u(east), u(c)])
+            r = (b[u(i), u(c)] - inside * x[u(i), u(c)]) + others
+            worst = max(worst, bits_of(r))
+        largest[u(k)] = worst

@@ -35,22 +35,25 @@ ENTRY_POINTS = {
     "fold": ["f4[:], f4[:], i8[:,:], i8[:,:], i8"],
     "clear": ["f4[:], i8[:,:], i8[:,:], i8"],
     "round_into": [f"{v}[:,:,:], f4[:,:,:], b1[:,:], i8, f4 -> f8, f8" for v in ("u1", "u2")],
-    "survey": ["b1[:,:], i8, i8 -> i8, i8"],
+    "survey": ["b1[:,:], i8, i8, i8 -> i8, i8"],
 }
 
 # What only some callers need: float64 throughout, regions with narrow parts, screening.
 FURTHER = {
     "solve_parts": [
-        "f8[:,:], b1[:], i4[:], f8[:], i4[:], f8[:], i4[:], i4[:], f8[:,:], i4[:,:], i4[:], i4[:], i4[:], i8, i8, i8"
-        " -> i8"
+        "f8[:,:], f8[:], b1[:], i4[:], f8[:], i4[:], f8[:], i4[:], i4[:], i4[:], i4[:], f8[:,:], f8[:], f8[:,:],"
+        " i4[:,:], i4[:], i4[:], i4[:], i8, i8, i8"
     ],
     "assemble": [_ASSEMBLE.format(v="f8")],
     "sum_pairs": [
-        f"f8[:,:], i8[:], i4[:,:], {v}[:,:,:], {v}[:,:,:], {v}[:,:,:], {v}[:,:,:], i8, i8, i8"
+        f"f8[:,:], i8[:], {v}[:,:,:], {v}[:,:,:], {v}[:,:,:], {v}[:,:,:], i8, i8, i8, i8"
         for v in ("f4", "f8")
     ],
-    "find_parts": ["i4[:], i4[:], i4[:], i4[:], i4[:,:], i8, i8, i8 -> i8, i8"],
-    "link": ["i4[:,:], i8[:], i8, i8"],
+    "sum_rim": ["f8[:,:], i8[:], f4[:,:], i8[:], i8[:], i8"],
+    "find_residuals": ["i8[:], f8[:,:], f8[:,:], i4[:,:], i4[:], i8, i8"],
+    "link": ["i4[:,:], i4[:], i8[:], i8, i8, i8, i8, i8 -> i8"],
+    "number_parts": ["i4[:], i4[:], i4[:], i4[:,:], i8, i8, i8 -> i8"],
+    "locate": ["i8[:], i8, i8[:], b1[:], i8, i8 -> i8"],
     "sort_parts": ["i4[:], i4[:], i4[:], i4[:], i4[:]"],
     "add_solution": [_ADD_SOLUTION.format(v="f8")],
     "coarsen_region": ["f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], i4[:,:], i8[:,:]"],

@@ -10,6 +10,7 @@ from typing import Any
 
 import numba
 
+import solvers.native.prefetching  # noqa: F401  what compilers make of `prefetch`
 from solvers.native.library import Kernel
 
 

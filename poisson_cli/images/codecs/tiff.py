@@ -33,13 +33,22 @@ from poisson_cli.images.picture import Picture
 
 __all__ = ["decode", "encode"]
 
-_RATIOS: Final = {1: 1, 5: 4096, 8: DEFLATE_RATIO, 32946: DEFLATE_RATIO, 32773: 64}
+_RATIOS: Final = {
+    1: 1,
+    5: 4096,  # LZW
+    8: DEFLATE_RATIO,
+    32946: DEFLATE_RATIO,
+    32773: 64,  # PackBits
+    34925: 1 << 14,  # LZMA: 273 bytes in a quarter of a bit, when nothing else comes for long
+    50000: 1 << 15,  # ZSTD: a block of 128 KiB of one value takes 4 bytes
+}
 """Bytes that one byte can become at most, by compression; others know no bound worth asking for."""
 
 _PREMULTIPLIED: Final = (
     "a TIFF with premultiplied alpha, transparent in places; save it with straight (unassociated) alpha first"
 )
 _STRIP: Final = 1 << 18  # bytes, before they are packed
+_TILE: Final = 1 << 24  # pixels that a small picture's tiles may have
 _LARGEST: Final = 2**32 - 1
 
 
@@ -49,7 +58,12 @@ def decode(data: bytes, name: str, form: Format, *, indices: bool = False) -> De
     page = pages[asked().choose(name, len(pages), "pages")]
     asked().refuse_large(name, page.width, page.height)
     page.refuse_loss(name)
-    size = page.height * ((page.width * page.samples * page.bits + 7) // 8)
+    height, width = page.stored
+    if height * width > _TILE + 2 * page.height * page.width:
+        raise InputError(
+            f"{name}: damaged, its tiles are far larger than its {page.width}x{page.height} pixels"
+        )
+    size = height * ((width * page.samples * page.bits + 7) // 8)
     ratio = _RATIOS.get(page.number(tiff_page.COMPRESSION, 1))
     if ratio is not None:
         refuse_hollow(name, size, len(data), ratio)

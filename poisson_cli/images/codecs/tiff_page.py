@@ -108,6 +108,14 @@ class Page:
         return self.number(HEIGHT, 0)
 
     @property
+    def stored(self) -> tuple[int, int]:
+        """(H, W) in pixels of what is stored, where tiles reach over the edge of the picture."""
+        if TILE_STARTS not in self.tags:
+            return self.height, self.width
+        down, across = (max(1, self.number(tag, 1)) for tag in (TILE_HEIGHT, TILE_WIDTH))
+        return -(-self.height // down) * down, -(-self.width // across) * across
+
+    @property
     def samples(self) -> int:
         """Numbers per pixel."""
         return self.number(SAMPLES, 1)
