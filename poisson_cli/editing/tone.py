@@ -88,8 +88,9 @@ def paste(picture: NDArray[Any], values: Values, region: NDArray[np.bool_], left
     """
     largest, dtype = FULL_SCALE[picture.dtype.type], picture.dtype
     if dtype.kind == "u":
+        marks = np.empty(values.shape[1] * values.shape[2], np.uint8)
         clipped, beyond = round_into(
-            picture, np.ascontiguousarray(values), region, left, values.dtype.type(largest)
+            picture, marks, np.ascontiguousarray(values), region, left, values.dtype.type(largest)
         )
         return int(clipped), float(beyond) / level(dtype)
     np.copyto(picture[:, left : left + values.shape[1]], values, where=region[:, :, np.newaxis])
