@@ -33,8 +33,8 @@ def outlyingness(difference: Values, level: float) -> Values:
     (n,) float
         That of the channel in which it is largest; above 1 for outliers.
     """
-    by_channel = np.ascontiguousarray(difference.T)  # medians along rows are the fast ones
-    distance = np.abs(by_channel - _median(by_channel))
+    by_channel: Any = np.ascontiguousarray(difference.T)  # medians along rows are the fast ones
+    distance: Values = np.abs(by_channel - _median(by_channel))
     usual = DEVIATION_PER_MEDIAN * _median(distance)
     distance /= DEVIATIONS * np.maximum(usual, level / DEVIATIONS)
     far: Values = distance.max(0)
@@ -53,5 +53,5 @@ def _median(values: Values) -> Any:
     """Of (C, n) values, per channel, (C, 1).  `numpy.median` does the same and imports masked arrays for it: 6 ms."""
     n = values.shape[1]
     low, high = (n - 1) // 2, n // 2
-    sorted_there = np.partition(values, (low, high) if low < high else low, axis=1)
+    sorted_there: Any = np.partition(values, (low, high) if low < high else low, axis=1)
     return (sorted_there[:, low, np.newaxis] + sorted_there[:, high, np.newaxis]) / 2
