@@ -415,12 +415,12 @@ def solve_coarsest(x, b, band, cells, scratch64, table, level, channels):
             total = np.float64(b[plane + cells[i]])
             for k in range(1, min(bandwidth, i) + 1):
                 total -= band[i, k] * scratch64[i - k]
-            scratch64[i] = total / band[i, 0]
+            scratch64[i] = total * band[i, 0]
         for i in range(n - 1, -1, -1):
             total = scratch64[i]
             for k in range(1, min(bandwidth, n - 1 - i) + 1):
                 total -= band[i + k, k] * scratch64[i + k]
-            scratch64[i] = total / band[i, 0]
+            scratch64[i] = total * band[i, 0]
             new = np.float32(scratch64[i])
             largest = largest_of(largest, bits_of(new - x[plane + cells[i]]))
             x[plane + cells[i]] = new

@@ -491,7 +491,8 @@ def coarsen_mass(mass, scratch, runs, table, level):
 def factor_band(band):
     """Cholesky factor of a symmetric positive definite band matrix, in place.
 
-    band: (n, bandwidth + 1) float64, band[i, k] = A[i, i - k]; on return the same of L with A = L L^T.
+    band: (n, bandwidth + 1) float64, band[i, k] = A[i, i - k]; on return the same of L with A = L L^T, but
+    1 / L[i, i] in place of L[i, i].
     """
     n, bandwidth = band.shape[0], band.shape[1] - 1
     for i in range(n):
@@ -500,11 +501,11 @@ def factor_band(band):
             total = band[i, k]
             for m in range(1, min(bandwidth - k, j) + 1):
                 total -= band[i, k + m] * band[j, m]
-            band[i, k] = total / band[j, 0]
+            band[i, k] = total * band[j, 0]
         total = band[i, 0]
         for m in range(1, min(bandwidth, i) + 1):
             total -= band[i, m] * band[i, m]
-        band[i, 0] = np.sqrt(total)
+        band[i, 0] = 1.0 / np.sqrt(total)
 
 
 @inlined
