@@ -9,6 +9,7 @@ takes a second worker along it fails. All others go on. And a job that takes too
 from __future__ import annotations
 
 import contextlib
+import itertools
 import math
 import multiprocessing
 import signal
@@ -156,6 +157,7 @@ class _Pool:
             yield from refused
             if not any(worker.attempt for worker in self._workers):
                 return
+            self._look_ahead()
             by_pipe = {worker.pipe: worker for worker in self._workers}
             results = [
                 result
@@ -179,6 +181,11 @@ class _Pool:
             if worker.attempt is not None:
                 _sweep(worker)
         self._workers.clear()
+
+    def _look_ahead(self) -> None:
+        """Estimate what comes next while all workers are busy: none of them waits for it then."""
+        for attempt in itertools.islice(self._waiting, len(self._workers)):
+            attempt.bytes = attempt.bytes or self._estimate(attempt.task)
 
     def _hand_out(self) -> Iterator[Result]:
         """Give a job to every worker that has none, as long as memory allows.
