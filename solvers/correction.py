@@ -115,7 +115,7 @@ class Correction:
         h = self.hierarchy
 
         def subtract(piece: NDArray[np.int64]) -> int:
-            where = h.weight, h.diagonal, piece, h.table, self.problem.channels
+            where = h.diagonal, piece, h.table, self.problem.channels
             return int(kernels.subtract_image(self.b, self.x, *where, keep))
 
         bits = max(self.team.run(subtract, [(piece,) for piece in self._pieces]))

@@ -83,8 +83,8 @@ class Cycling:
         self.team = team
         self.names = [cycle]
         self._stronger = False
-        # Two segments, or a segment and a row of coarse cells with one more on each side.
-        room = 2 * hierarchy.longest_segment + int(hierarchy.table[0, STRIDE]) + 2 * LANES
+        # Two segments of interpolated values, with one more at the end and what whole vectors add.
+        room = 2 * (hierarchy.longest_segment + 3 * LANES)
         self.scratch = [aligned_zeros(room) for _ in range(team.threads)]
         self.scratch64 = np.zeros(len(hierarchy.coarsest.band), np.float64)
         self.n_large = sum(team.shares(n * channels) for n in hierarchy.unknowns[:-1])

@@ -54,62 +54,113 @@ def largest_of(a, b):
     return a if a > b else b
 
 
-@inlined
-def indices(size, stride, plane, quarter, at):
-    """Where a place of a quarter of the finest level lies: in the weights, in x, and its four neighbours in x."""
-    w = u(quarter * size + at)
-    own = u(plane + quarter * size + at)
-    north = u(plane + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride))
-    west = u(plane + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1))
-    return w, own, north, north + u(stride), west, west + u(1)
-
-
 # --- relaxation --------------------------------------------------------------------------------------------------
+#
+# Both quarters of a colour are gone through together: they have the same neighbours, half of which lie at their own
+# place, and are read once for the two of them.  Of that colour `upper` is the quarter in the even rows, `lower` that in
+# the odd rows; of the other colour `along` lies in the rows of upper, `under` in the rows of lower:
+#
+#     red:      upper  along      black:      along  upper
+#               under  lower                  lower  under
+#
+# At a place t, upper's neighbours are along and under at t, `north` = under a row before, and `side` = along a column
+# before (red) or behind (black); lower's are the same two at t, `south` = along a row behind, and `flank` = under a
+# column behind (red) or before (black).
+
+
+@inlined
+def quarters(size, colour, at):
+    """Where a place lies in the quarters upper, lower, along, under of a field that begins there."""
+    return (
+        u(colour * size + at),
+        u((3 - colour) * size + at),
+        u((colour ^ 1) * size + at),
+        u((colour ^ 2) * size + at),
+    )
+
+
+@inlined
+def beyond(stride, colour, along, under):
+    """Where north, south, side and flank lie, from where along and under do."""
+    side = along - u(1) if colour == RED else along + u(1)
+    flank = under + u(1) if colour == RED else under - u(1)
+    return under - u(stride), along + u(stride), side, flank
+
+
+@inlined
+def edges(stride, colour, upper, lower, along, under):
+    """Where the conductances lie: upper's to along and side, lower's to under and flank, and upper's to north.
+
+    Upper's to under, lower's to along and lower's to south are those that `edge_s` holds at upper, along and lower.
+    """
+    north, _, side, flank = beyond(stride, colour, along, under)
+    if colour == RED:
+        return upper, side, under, lower, north
+    return along, upper, lower, flank, north
 
 
 @loops
-def relax_red(x, b, weight, size, stride, plane, quarter, at, n):
-    """Gauss-Seidel on n places of a quarter of the finest level, from `at` on; the channel begins at `plane`."""
-    w, own, north, south, west, east = indices(size, stride, plane, quarter, at)
+def relax_red(x, b, weight, size, stride, plane, at, n):
+    """Gauss-Seidel on n places of the red quarters of the finest level, from `at` on; the channel begins at `plane`."""
+    w_upper, w_lower, _, _ = quarters(size, RED, at)
+    upper, lower, along, under = quarters(size, RED, plane + at)
+    north, south, side, flank = beyond(stride, RED, along, under)
     for i in range(u(n)):
-        x[own + i] = weight[w + i] * (b[own + i] + x[north + i] + x[south + i] + x[west + i] + x[east + i])
+        shared = x[along + i] + x[under + i]
+        x[upper + i] = weight[w_upper + i] * (b[upper + i] + (x[north + i] + x[side + i]) + shared)
+        x[lower + i] = weight[w_lower + i] * (b[lower + i] + (x[south + i] + x[flank + i]) + shared)
 
 
 @loops
-def relax_black(x, b, weight, size, stride, plane, quarter, at, n, omega):
-    """The same, over-relaxed by `omega` (float32).  Returns the bit pattern of the largest absolute change."""
-    w, own, north, south, west, east = indices(size, stride, plane, quarter, at)
+def relax_finest(x, b, weight, size, stride, plane, colour, at, n, omega):
+    """The same for any colour, over-relaxed by `omega` (float32).  Returns the bit pattern of the largest change."""
+    w_upper, w_lower, _, _ = quarters(size, colour, at)
+    upper, lower, along, under = quarters(size, colour, plane + at)
+    north, south, side, flank = beyond(stride, colour, along, under)
     largest = np.int32(0)
     for i in range(u(n)):
-        around = b[own + i] + x[north + i] + x[south + i] + x[west + i] + x[east + i]
-        change = omega * (weight[w + i] * around - x[own + i])
-        largest = largest_of(largest, bits_of(change))
-        x[own + i] += change
+        shared = x[along + i] + x[under + i]
+        new_upper = weight[w_upper + i] * (b[upper + i] + (x[north + i] + x[side + i]) + shared)
+        new_lower = weight[w_lower + i] * (b[lower + i] + (x[south + i] + x[flank + i]) + shared)
+        change_upper, change_lower = omega * (new_upper - x[upper + i]), omega * (new_lower - x[lower + i])
+        largest = largest_of(largest, largest_of(bits_of(change_upper), bits_of(change_lower)))
+        x[upper + i] += change_upper
+        x[lower + i] += change_lower
     return largest
 
 
 @loops
-def relax_coarse(x, b, weight, edge_e, edge_s, size, stride, plane, offset, skip, quarter, at, n, omega):
+def relax_coarse(x, b, weight, edge_e, edge_s, size, stride, plane, offset, skip, colour, at, n, omega):
     """The same on a coarse level, whose coefficients begin at `offset`, and at `skip` less in the edge fields."""
-    here = quarter * size + at
-    above = (quarter ^ 2) * size + at - (0 if quarter & 2 else stride)
-    beside = (quarter ^ 1) * size + at - (0 if quarter & 1 else 1)
-    own, w, c_own = u(plane + here), u(offset + here), u(offset - skip + here)
-    north, c_north = u(plane + above), u(offset - skip + above)
-    west, c_west = u(plane + beside), u(offset - skip + beside)
-    south, east = north + u(stride), west + u(1)
+    w_upper, w_lower, _, _ = quarters(size, colour, offset + at)
+    e_upper, e_lower, e_along, e_under = quarters(size, colour, offset - skip + at)
+    to_along, to_side, to_under, to_flank, to_north = edges(
+        stride, colour, e_upper, e_lower, e_along, e_under
+    )
+    upper, lower, along, under = quarters(size, colour, plane + at)
+    north, south, side, flank = beyond(stride, colour, along, under)
     if omega == np.float32(1.0):
         for i in range(u(n)):
-            x[own + i] = weight[w + i] * (
-                (b[own + i] + edge_s[c_north + i] * x[north + i] + edge_s[c_own + i] * x[south + i])
-                + (edge_e[c_west + i] * x[west + i] + edge_e[c_own + i] * x[east + i])
+            x[upper + i] = weight[w_upper + i] * (
+                (b[upper + i] + edge_s[to_north + i] * x[north + i] + edge_s[e_upper + i] * x[under + i])
+                + (edge_e[to_side + i] * x[side + i] + edge_e[to_along + i] * x[along + i])
+            )
+            x[lower + i] = weight[w_lower + i] * (
+                (b[lower + i] + edge_s[e_along + i] * x[along + i] + edge_s[e_lower + i] * x[south + i])
+                + (edge_e[to_flank + i] * x[flank + i] + edge_e[to_under + i] * x[under + i])
             )
     else:
         for i in range(u(n)):
-            around = (b[own + i] + edge_s[c_north + i] * x[north + i] + edge_s[c_own + i] * x[south + i]) + (
-                edge_e[c_west + i] * x[west + i] + edge_e[c_own + i] * x[east + i]
+            new_upper = weight[w_upper + i] * (
+                (b[upper + i] + edge_s[to_north + i] * x[north + i] + edge_s[e_upper + i] * x[under + i])
+                + (edge_e[to_side + i] * x[side + i] + edge_e[to_along + i] * x[along + i])
             )
-            x[own + i] += omega * (weight[w + i] * around - x[own + i])
+            new_lower = weight[w_lower + i] * (
+                (b[lower + i] + edge_s[e_along + i] * x[along + i] + edge_s[e_lower + i] * x[south + i])
+                + (edge_e[to_flank + i] * x[flank + i] + edge_e[to_under + i] * x[under + i])
+            )
+            x[upper + i] += omega * (new_upper - x[upper + i])
+            x[lower + i] += omega * (new_lower - x[lower + i])
 
 
 @jit
@@ -117,14 +168,9 @@ def relax_over(x, b, weight, segments, table, channels, colour, omega, first, en
     """Half sweep of over-relaxation by `omega` (float32) over segments [first, end) of the finest level."""
     stride, size = table[0, STRIDE], table[0, QUARTER]
     for channel in range(channels):
-        plane = 4 * channel * size
         for k in range(first, end):
-            at = segments[k, 0]
-            for quarter in (colour, 3 - colour):
-                w, own, north, south, west, east = indices(size, stride, plane, quarter, at)
-                for i in range(u(segments[k, 1] - at)):
-                    around = b[own + i] + x[north + i] + x[south + i] + x[west + i] + x[east + i]
-                    x[own + i] += omega * (weight[w + i] * around - x[own + i])
+            at, n = segments[k, 0], segments[k, 1] - segments[k, 0]
+            relax_finest(x, b, weight, size, stride, 4 * channel * size, colour, at, n, omega)
 
 
 @loops
@@ -146,18 +192,17 @@ def relax_segment(x, b, weight, edge_e, edge_s, segments, table, level, channels
     skip = table[1, OFFSET]
     at, n = segments[k, 0], segments[k, 1] - segments[k, 0]
     largest = np.int32(0)
-    for quarter in (colour, 3 - colour):
-        for channel in range(channels):
-            plane = channels * offset + 4 * channel * size
-            if level > 0:
-                relax_coarse(
-                    x, b, weight, edge_e, edge_s, size, stride, plane, offset, skip, quarter, at, n, omega
-                )
-            elif colour == RED:
-                relax_red(x, b, weight, size, stride, plane, quarter, at, n)
-            else:
-                change = relax_black(x, b, weight, size, stride, plane, quarter, at, n, omega)
-                largest = largest_of(largest, change)
+    for channel in range(channels):
+        plane = channels * offset + 4 * channel * size
+        if level > 0:
+            relax_coarse(
+                x, b, weight, edge_e, edge_s, size, stride, plane, offset, skip, colour, at, n, omega
+            )
+        elif colour == RED:
+            relax_red(x, b, weight, size, stride, plane, at, n)
+        else:
+            change = relax_finest(x, b, weight, size, stride, plane, BLACK, at, n, omega)
+            largest = largest_of(largest, change)
     return largest
 
 
@@ -165,35 +210,48 @@ def relax_segment(x, b, weight, edge_e, edge_s, segments, table, level, channels
 
 
 @loops
-def residual_finest(scratch, x, b, weight, diagonal, size, stride, plane, quarter, at, n, to):
-    """scratch[to : to + n] = residual of n places of one quarter of the finest level."""
-    to = u(to)
-    w, own, north, south, west, east = indices(size, stride, plane, quarter, at)
-    for i in range(u(n)):  # outside the region the sum means nothing, but weight and diagonal are zero there
-        around = b[own + i] + x[north + i] + x[south + i] + x[west + i] + x[east + i]
-        scratch[to + i] = diagonal[w + i] * (weight[w + i] * around - x[own + i])
+def residual_finest(scratch, x, b, diagonal, size, stride, plane, at, n):
+    """scratch = residuals in n places of the red quarters of the finest level, two for each cell of the next one."""
+    d_upper, d_lower, _, _ = quarters(size, RED, at)
+    upper, lower, along, under = quarters(size, RED, plane + at)
+    north, south, side, flank = beyond(stride, RED, along, under)
+    nothing = np.float32(0.0)
+    for i in range(u(n)):  # outside the region b means nothing
+        shared = x[along + i] + x[under + i]
+        r_upper = (b[upper + i] + (x[north + i] + x[side + i]) + shared) - diagonal[d_upper + i] * x[
+            upper + i
+        ]
+        r_lower = (b[lower + i] + (x[south + i] + x[flank + i]) + shared) - diagonal[d_lower + i] * x[
+            lower + i
+        ]
+        r_upper = r_upper if diagonal[d_upper + i] > nothing else nothing
+        r_lower = r_lower if diagonal[d_lower + i] > nothing else nothing
+        scratch[i] = r_upper + r_lower
 
 
 @loops
-def residual_coarse(
-    scratch, x, b, diagonal, edge_e, edge_s, size, stride, plane, offset, skip, quarter, at, n, to
-):
+def residual_coarse(scratch, x, b, diagonal, edge_e, edge_s, size, stride, plane, offset, skip, at, n):
     """The same on a coarse level."""
-    to = u(to)
-    here = quarter * size + at
-    above = (quarter ^ 2) * size + at - (0 if quarter & 2 else stride)
-    beside = (quarter ^ 1) * size + at - (0 if quarter & 1 else 1)
-    own, d, c_own = u(plane + here), u(offset + here), u(offset - skip + here)
-    north, c_north = u(plane + above), u(offset - skip + above)
-    west, c_west = u(plane + beside), u(offset - skip + beside)
-    south, east = north + u(stride), west + u(1)
+    d_upper, d_lower, _, _ = quarters(size, RED, offset + at)
+    e_upper, e_lower, e_along, e_under = quarters(size, RED, offset - skip + at)
+    to_along, to_side, to_under, to_flank, to_north = edges(stride, RED, e_upper, e_lower, e_along, e_under)
+    upper, lower, along, under = quarters(size, RED, plane + at)
+    north, south, side, flank = beyond(stride, RED, along, under)
     nothing = np.float32(0.0)
-    for i in range(u(n)):  # outside the region b means nothing
-        residual = (b[own + i] - diagonal[d + i] * x[own + i] + edge_s[c_north + i] * x[north + i]) + (
-            edge_s[c_own + i] * x[south + i]
-            + (edge_e[c_west + i] * x[west + i] + edge_e[c_own + i] * x[east + i])
+    for i in range(u(n)):
+        r_upper = (
+            (b[upper + i] - diagonal[d_upper + i] * x[upper + i])
+            + (edge_s[to_north + i] * x[north + i] + edge_s[e_upper + i] * x[under + i])
+            + (edge_e[to_side + i] * x[side + i] + edge_e[to_along + i] * x[along + i])
         )
-        scratch[to + i] = residual if diagonal[d + i] > nothing else nothing
+        r_lower = (
+            (b[lower + i] - diagonal[d_lower + i] * x[lower + i])
+            + (edge_s[e_along + i] * x[along + i] + edge_s[e_lower + i] * x[south + i])
+            + (edge_e[to_flank + i] * x[flank + i] + edge_e[to_under + i] * x[under + i])
+        )
+        r_upper = r_upper if diagonal[d_upper + i] > nothing else nothing
+        r_lower = r_lower if diagonal[d_lower + i] > nothing else nothing
+        scratch[i] = r_upper + r_lower
 
 
 @inlined
@@ -203,20 +261,17 @@ def whole_vectors(n):
 
 
 @loops
-def hand_down(b, scratch, start, other, n, at, size):
-    """Sums of n residuals from scratch[start] and scratch[other] on become right-hand sides of level + 1.
-
-    Even columns go to `at`.
-    """
-    even, odd, first, second, half = u(at), u(at + size), u(start), u(other), whole_vectors(n // 2)
+def hand_down(b, scratch, start, n, at, size):
+    """n sums of residuals from scratch[start] on become right-hand sides of level + 1; even columns go to `at`."""
+    even, odd, first, half = u(at), u(at + size), u(start), whole_vectors(n // 2)
     for i in range(half):  # both in one loop: LLVM then loads whole vectors and takes them apart
-        b[even + i] = scratch[first + i + i] + scratch[second + i + i]
-        b[odd + i] = scratch[first + i + i + u(1)] + scratch[second + i + i + u(1)]
+        b[even + i] = scratch[first + i + i]
+        b[odd + i] = scratch[first + i + i + u(1)]
 
 
 @inlined
 def restrict_segment(
-    b, x, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, channel, k
+    b, x, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, channel, k
 ):
     """Right-hand side of level + 1 below a segment: each cell the sum of its children's residuals.
 
@@ -226,67 +281,71 @@ def restrict_segment(
     plane = channels * offset + 4 * channel * size
     at = segments[k, 0]
     n = segments[k, 1] - at
-    for quarter in (0, 3):
-        to = n if quarter else 0
-        if level == 0:
-            residual_finest(scratch, x, b, weight, diagonal, size, stride, plane, quarter, at, n, to)
-        else:
-            skip = table[1, OFFSET]
-            residual_coarse(
-                scratch, x, b, diagonal, edge_e, edge_s, size, stride, plane, offset, skip, quarter, at, n, to
-            )
+    if level == 0:
+        residual_finest(scratch, x, b, diagonal, size, stride, plane, at, n)
+    else:
+        skip = table[1, OFFSET]
+        residual_coarse(scratch, x, b, diagonal, edge_e, edge_s, size, stride, plane, offset, skip, at, n)
     coarse_size = table[level + 1, QUARTER]
     plane = channels * table[level + 1, OFFSET] + 4 * channel * coarse_size
     for run in range(segments[k, 2], segments[k, 3]):
         row, low = np.int64(runs[run, 0]), np.int64(runs[run, 1])
         to = plane + 2 * (row & 1) * coarse_size + (row // 2 + 1) * table[level + 1, STRIDE] + low // 2
-        start = (row + 1) * stride + low - at
-        hand_down(b, scratch, start, n + start, np.int64(runs[run, 2]) - low, to, coarse_size)
+        hand_down(b, scratch, (row + 1) * stride + low - at, np.int64(runs[run, 2]) - low, to, coarse_size)
 
 
 # --- interpolation -----------------------------------------------------------------------------------------------
 
 
 @loops
-def blend_run(scratch, x, table, level, channels, channel, quarter, row, low, high, at):
-    """scratch[at + 1 : ...] = the cells of level + 1 in columns [low, high), blended for the children in `quarter`.
+def blend_run(scratch, x, table, level, channels, channel, row, low, high, at, to):
+    """scratch[at : ] = the cells of level + 1 in columns low ... high, blended with the row above them, 3 to 1; and
+    scratch[to : ] = the cells in columns low - 1 ... high - 1, blended with the row below.
 
-    3/4 of a cell's own row and 1/4 of the row that the child leans to.  Quarter 1 holds the upper right children: they
-    also need column `high`, which follows.  Quarter 2 holds the lower left ones: column low - 1 comes before, at
-    scratch[at].  An inactive cell counts as 0, and the grid continues with its edge.
+    An inactive cell counts as 0, and the grid continues with its edge.
     """
     rows, cols = table[level, ROWS], table[level, COLS]
     stride, size = table[level + 1, STRIDE], table[level + 1, QUARTER]
-    far_row = max(row - 1, 0) if quarter == 1 else min(row + 1, rows - 1)
+    row_above, row_below = max(row - 1, 0), min(row + 1, rows - 1)
     plane = channels * table[level + 1, OFFSET] + 4 * channel * size + low // 2
-    near = u(plane + 2 * (row & 1) * size + (row // 2 + 1) * stride)
-    far = u(plane + 2 * (far_row & 1) * size + (far_row // 2 + 1) * stride)
-    near_odd, far_odd = near + u(size), far + u(size)
-    first, half = u(at + 1), u((high - low) // 2)
+    even = u(plane + 2 * (row & 1) * size + (row // 2 + 1) * stride)
+    above = u(plane + 2 * (row_above & 1) * size + (row_above // 2 + 1) * stride)
+    below = u(plane + 2 * (row_below & 1) * size + (row_below // 2 + 1) * stride)
+    odd, above_odd, below_odd = even + u(size), above + u(size), below + u(size)
+    one, two, half = u(at), u(to + 1), u((high - low) // 2)
     for i in range(whole_vectors((high - low) // 2)):
-        scratch[first + i + i] = NEAR * x[near + i] + FAR * x[far + i]
-        scratch[first + i + i + u(1)] = NEAR * x[near_odd + i] + FAR * x[far_odd + i]
-    if quarter == 1:
-        if high < cols:
-            scratch[first + half + half] = NEAR * x[near + half] + FAR * x[far + half]
-        else:
-            scratch[at + 1 + cols - low] = scratch[at + cols - low]
-    elif low > 0:
-        scratch[at] = NEAR * x[near_odd - u(1)] + FAR * x[far_odd - u(1)]
+        own, own_odd = NEAR * x[even + i], NEAR * x[odd + i]
+        scratch[one + i + i] = own + FAR * x[above + i]
+        scratch[one + i + i + u(1)] = own_odd + FAR * x[above_odd + i]
+        scratch[two + i + i] = own + FAR * x[below + i]
+        scratch[two + i + i + u(1)] = own_odd + FAR * x[below_odd + i]
+    if high < cols:
+        scratch[one + half + half] = NEAR * x[even + half] + FAR * x[above + half]
     else:
-        scratch[at] = scratch[at + 1]
+        scratch[at + cols - low] = scratch[at + cols - low - 1]
+    if low > 0:
+        scratch[to] = NEAR * x[odd - u(1)] + FAR * x[below_odd - u(1)]
+    else:
+        scratch[to] = scratch[to + 1]
 
 
 @loops
-def add_interpolated(x, weight, scratch, w, own, n, quarter):
-    """x += what lies in scratch, interpolated along the row, in n places of the region from x[own] and weight[w] on."""
+def add_interpolated(x, weight, scratch, w, own, size, n, other):
+    """x += what lies in scratch, interpolated along the row, in n places of the region of the black quarters; the one
+    in the even rows lies from x[own] and weight[w] on and finds its cells in scratch, the other one from `other` on.
+    """
     near, far, zero = np.float32(0.75), np.float32(0.25), np.float32(0.0)
     largest = np.int32(0)
-    own, w, here, beside = u(own), u(w), u(1), u(4 - 2 * quarter)
+    upper, w_upper, west = u(own), u(w), u(other)
+    lower, w_lower, east = u(own + size), u(w + size), u(1)
     for i in range(u(n)):
-        change = near * scratch[here + i] + far * scratch[beside + i] if weight[w + i] > zero else zero
-        largest = largest_of(largest, bits_of(change))
-        x[own + i] += change
+        up = near * scratch[i] + far * scratch[east + i] if weight[w_upper + i] > zero else zero
+        low = (
+            near * scratch[west + u(1) + i] + far * scratch[west + i] if weight[w_lower + i] > zero else zero
+        )
+        largest = largest_of(largest, largest_of(bits_of(up), bits_of(low)))
+        x[upper + i] += up
+        x[lower + i] += low
     return largest
 
 
@@ -296,21 +355,27 @@ def prolong_segment(x, weight, scratch, runs, segments, table, level, channels, 
 
     Only black ones: the next half sweep overwrites the red ones without reading them.  Returns the bit pattern of the
     largest absolute change.
+
+    Quarter 1 holds the upper right children of the cells of level + 1: they lean to the row above and to the next
+    column.  Quarter 2 holds the lower left ones: they lean to the row below and to the column before.
     """
     stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
-    largest = np.int32(0)
-    at = segments[k, 0]
-    for quarter in (1, 2):
-        for run in range(segments[k, 2], segments[k, 3]):
-            row, low, high = np.int64(runs[run, 0]), np.int64(runs[run, 1]), np.int64(runs[run, 2])
-            to = (row + 1) * stride + low - at
-            blend_run(scratch, x, table, level, channels, channel, quarter, row, low, high, to)
-        change = add_interpolated(
-            x, weight, scratch, offset + quarter * size + at, channels * offset + (4 * channel + quarter) * size + at,
-            segments[k, 1] - at, quarter,
-        )  # fmt: skip
-        largest = largest_of(largest, change)
-    return largest
+    at, n = segments[k, 0], segments[k, 1] - segments[k, 0]
+    other = n + 3 * LANES - 1  # the first half ends with a column more, in whole vectors
+    for run in range(segments[k, 2], segments[k, 3]):
+        row, low, high = np.int64(runs[run, 0]), np.int64(runs[run, 1]), np.int64(runs[run, 2])
+        to = (row + 1) * stride + low - at
+        blend_run(scratch, x, table, level, channels, channel, row, low, high, to, other + to)
+    return add_interpolated(
+        x,
+        weight,
+        scratch,
+        offset + size + at,
+        channels * offset + (4 * channel + 1) * size + at,
+        size,
+        n,
+        other,
+    )
 
 
 # --- one visit to a level ----------------------------------------------------------------------------------------
@@ -360,8 +425,7 @@ def sweep(x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table
         if down < down_end and segments[down, 1] + reach <= done_black_2:
             for channel in range(channels):
                 restrict_segment(
-                    b, x, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels,
-                    channel, down,
+                    b, x, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, channel, down
                 )  # fmt: skip
             down += 1
         elif black_2 < black_2_end and segments[black_2, 1] + reach <= done_red_2:

@@ -335,48 +335,65 @@ def clear(x, segments, table, channels):
 
 
 @inlined
-def residual_at(b, x, weight, diagonal, i, own, w, north, south, west, east):
-    """b - A x in one place, in float64."""
-    near = (np.float64(x[north + i]) + x[south + i]) + (np.float64(x[west + i]) + x[east + i])
-    residual = np.float64(b[own + i]) - np.float64(diagonal[w + i]) * x[own + i] + near
-    return residual if weight[w + i] > 0 else 0.0
+def residual_at(b, diagonal, x, far, near):
+    """b - A x in a place of the region, in float64, from the sums of its far and of its near neighbours."""
+    residual = (np.float64(b) - np.float64(diagonal) * np.float64(x)) + (far + near)
+    return residual if diagonal > np.float32(0.0) else 0.0
 
 
 @loops
-def residual_of(b, x, weight, diagonal, size, stride, plane, quarter, at, n, keep):
-    """b - A x in n places of a quarter; stored into b unless `keep`.  Returns the bit pattern of the largest one."""
-    w = u(quarter * size + at)
-    own = u(plane + quarter * size + at)
-    north = u(plane + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride))
-    south = north + u(stride)
-    west = u(plane + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1))
-    east = west + u(1)
+def residuals_at(b, x, diagonal, d_upper, d_lower, upper, lower, along, under, north, south, side, flank):
+    """The two residuals of a colour in one place."""
+    near = np.float64(x[along]) + np.float64(x[under])
+    far_upper = np.float64(x[north]) + np.float64(x[side])
+    far_lower = np.float64(x[south]) + np.float64(x[flank])
+    return (
+        residual_at(b[upper], diagonal[d_upper], x[upper], far_upper, near),
+        residual_at(b[lower], diagonal[d_lower], x[lower], far_lower, near),
+    )
+
+
+@loops
+def residual_of(b, x, diagonal, size, stride, plane, colour, at, n, keep):
+    """b - A x in n places of the quarters of a colour, for whose names see `kernels.cycle`.
+
+    With `keep` returns the bit pattern of the largest one; else b becomes what is computed.
+    """
+    d_upper, d_lower = u(colour * size + at), u((3 - colour) * size + at)
+    upper, lower = u(plane + colour * size + at), u(plane + (3 - colour) * size + at)
+    along, under = u(plane + (colour ^ 1) * size + at), u(plane + (colour ^ 2) * size + at)
+    north, south = under - u(stride), along + u(stride)
+    side = along - u(1) if colour == 0 else along + u(1)
+    flank = under + u(1) if colour == 0 else under - u(1)
     largest = np.int64(0)
     if keep:
         for i in range(u(n)):
-            residual = residual_at(b, x, weight, diagonal, i, own, w, north, south, west, east)
-            largest = largest_of(largest, bits_of(residual))
+            one, other = residuals_at(
+                b, x, diagonal, d_upper + i, d_lower + i, upper + i, lower + i, along + i, under + i,
+                north + i, south + i, side + i, flank + i,
+            )  # fmt: skip
+            largest = largest_of(largest, largest_of(bits_of(one), bits_of(other)))
     else:
         for i in range(u(n)):
-            residual = residual_at(b, x, weight, diagonal, i, own, w, north, south, west, east)
-            largest = largest_of(largest, bits_of(residual))
-            b[own + i] = residual
+            b[upper + i], b[lower + i] = residuals_at(
+                b, x, diagonal, d_upper + i, d_lower + i, upper + i, lower + i, along + i, under + i,
+                north + i, south + i, side + i, flank + i,
+            )  # fmt: skip
     return largest
 
 
 @jit
-def subtract_image(b, x, weight, diagonal, segments, table, channels, keep):
-    """b - A x on the finest level, in float64; stored into b unless `keep`.  Returns the bit pattern of the
-    largest absolute value.
+def subtract_image(b, x, diagonal, segments, table, channels, keep):
+    """b - A x on the finest level, in float64.
+
+    With `keep` returns the bit pattern of the largest absolute value; else b becomes what is computed.
     """
     stride, size = table[0, STRIDE], table[0, QUARTER]
     largest = np.int64(0)
     for k in range(segments.shape[0]):
         at, n = segments[k, 0], segments[k, 1] - segments[k, 0]
         for channel in range(channels):
-            for quarter in range(4):
-                bits = residual_of(
-                    b, x, weight, diagonal, size, stride, 4 * channel * size, quarter, at, n, keep
-                )
+            for colour in range(2):
+                bits = residual_of(b, x, diagonal, size, stride, 4 * channel * size, colour, at, n, keep)
                 largest = largest_of(largest, bits)
     return largest
