@@ -121,9 +121,12 @@ class Canvas(Protocol):
         """
 
 
-def bands(first: int, end: int, row: int) -> Iterator[tuple[int, int]]:
-    """First and end row of each band of rows first ... end - 1, of `row` values each; `first` is even."""
-    rows = max(FEWEST_ROWS, BAND // row & ~1)
+def bands(first: int, end: int, row: int, larger: int = 1) -> Iterator[tuple[int, int]]:
+    """First and end row of each band of rows first ... end - 1, of `row` values each; `first` is even.
+
+    The bands are so many times as large as usual.
+    """
+    rows = max(FEWEST_ROWS, larger * BAND // row & ~1)
     for top in range(first, end, rows):
         yield top, min(top + rows, end)
 

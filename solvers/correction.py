@@ -25,10 +25,12 @@ class Correction:
 
     Attributes
     ----------
+    arena : Arena
+        Where the fields live.
     team : Team
         Who does the work here; no bit depends on how many they are.
-    total, x, b : float32
-        Fields of `channels` channels; x and b on all levels of the hierarchy, total on the finest.
+    x, b : float32
+        Fields of `channels` channels, on all levels of the hierarchy.
     exact : bool
         Whether b_0 is exact in float32, as it is for 8- and 16-bit pictures.  b then follows total by subtraction; else
         b is assembled anew, because a rounded b_0 has a solution of its own.
@@ -36,12 +38,12 @@ class Correction:
 
     problem: PoissonProblem
     hierarchy: Hierarchy
+    arena: Arena
     team: Team
-    total: Float32
     x: Float32
     b: Float32
     exact: bool = True
-    _first: bool = field(default=True, init=False, repr=False)
+    _total: Float32 | None = field(default=None, init=False, repr=False)  # None: zero
     _pieces: list[NDArray[np.int64]] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -62,8 +64,8 @@ class Correction:
         correction = cls(
             problem,
             hierarchy,
+            arena,
             team,
-            total=arena.zeros(field_size(table, channels, levels=1)),
             x=arena.zeros(field_size(table, channels)),
             b=arena.zeros(field_size(table, channels)),
         )
@@ -78,7 +80,7 @@ class Correction:
         """b <- the problem's residual at the first guess, or at that + total; whether float32 held it exactly."""
         canvas, h = self.problem.canvas, self.hierarchy
         _, width, channels = canvas.shape
-        total = self.total if corrected else self.total[:0]
+        total = self.total if corrected else self.x[:0]
 
         def rows(first: int, end: int) -> bool:
             line64 = np.empty(width * channels)
@@ -92,20 +94,37 @@ class Correction:
 
         return all(shared_rows(self.problem, self.team, rows))
 
+    @property
+    def total(self) -> Float32:
+        """What earlier stages found: a field of the finest level."""
+        if self._total is None:
+            self._total = self.arena.zeros(self._size)
+        return self._total
+
     def next_stage(self) -> None:
         """total <- total + x, b <- b - A x, x <- 0."""
         where = self.hierarchy.table, self.problem.channels
-        if self._first and self.exact:  # total is zero
+        if self._total is None and self.exact and not self.problem.floating:
             self._residual(keep=False)
-            self.team.run(kernels.move, [(self.total, self.x, piece, *where) for piece in self._pieces])
+            self._total = self.arena.floats(self._size)  # nothing is read there but what is moved
+            self.team.run(kernels.move, [(self._total, self.x, piece, *where) for piece in self._pieces])
+            return
+        self.team.run(kernels.fold, [(self.total, self.x, piece, *where) for piece in self._pieces])
+        if self.exact:
+            self._residual(keep=False)
         else:
-            self.team.run(kernels.fold, [(self.total, self.x, piece, *where) for piece in self._pieces])
-            if self.exact:
-                self._residual(keep=False)
-            else:
-                self.assemble(corrected=True)
-            self.team.run(kernels.clear, [(self.x, piece, *where) for piece in self._pieces])
-        self._first = False
+            self.assemble(corrected=True)
+        self.team.run(kernels.clear, [(self.x, piece, *where) for piece in self._pieces])
+
+    @property
+    def finest(self) -> Float32:
+        """The finest level of x."""
+        return self.x[: self._size]
+
+    @property
+    def _size(self) -> int:
+        """Length of the finest level of a field."""
+        return field_size(self.hierarchy.table, self.problem.channels, levels=1)
 
     def least_error(self) -> float:
         """A lower bound of the largest error, from the true residual, in float64."""
@@ -127,13 +146,13 @@ class Correction:
 
     def adding(self) -> Correct:
         """What adds the correction to rows of the first guess."""
-        h = self.hierarchy
+        h, total = self.hierarchy, self.total
         drift = self._drift() if self.problem.floating else None
 
         def add(guess: Values, top: int) -> None:
             runs = _runs_of(h.finest_runs, top, top + len(guess))
             line = np.empty((guess.shape[1] + 1) * guess.shape[2], guess.dtype)
-            kernels.add_solution(guess, line, self.total, self.x, top, runs, h.table)
+            kernels.add_solution(guess, line, total, self.x, top, runs, h.table)
             if drift is not None:
                 guess -= drift.astype(guess.dtype)
 
@@ -142,7 +161,7 @@ class Correction:
     def _drift(self) -> NDArray[np.float64]:
         """The mean of the correction, per channel."""
         height, width, channels = self.problem.canvas.shape
-        total, x = (u[: self.total.size].reshape(channels, -1) for u in (self.total, self.x))
+        total, x = (u.reshape(channels, -1) for u in (self.total, self.finest))
         sums = total.sum(1, dtype=np.float64) + x.sum(1, dtype=np.float64)
         return np.asarray(sums / (height * width), np.float64)
 

@@ -117,9 +117,9 @@ class Cycling:
             ]
             self.team.run(kernels.run_steps, parts)
             following = int(calls[k + 1][0][0, kernels.CYCLE]) if k + 1 < len(calls) else cycles
-            for number in range(done, following):
-                largest = changes[:, number].max(0)
-                yield float(largest.view(np.float32).sum(dtype=np.float64))
+            if following > done:
+                largest = changes[:, done:following].max(0).view(np.float32)
+                yield from largest.sum(1, dtype=np.float64).tolist()
             done = following
 
     def _plan(self, cycle: Cycle, cycles: int) -> list[list[NDArray[np.int64]]]:

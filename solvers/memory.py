@@ -40,6 +40,10 @@ class Arena:
         ends = itertools.accumulate(sizes)
         return [whole[end - size : end] for size, end in zip(sizes, ends, strict=True)]
 
+    def floats(self, size: int) -> Float32:
+        """`size` float32 that begin on a cache line, no matter which."""
+        return self._anything(size)
+
     def integers(self, *shape: int) -> NDArray[np.int32]:
         """An array of int32, no matter which."""
         return self._anything(math.prod(shape)).view(np.int32).reshape(shape)

@@ -92,7 +92,7 @@ def solve_sor(
         h, channels = correction.hierarchy, problem.channels
         factor = np.float32(best_omega(h, team) if omega is None else omega)
         sweeps = min(max_iterations, max(1, round(SPAN / (2 - float(factor)))))
-        x = correction.x[: correction.total.size]
+        x = correction.finest
         before = np.empty_like(x)
         half_sweeps = [
             [

@@ -6,7 +6,7 @@ winsorising: their difference is drawn back to where outliers begin.  The pictur
 edge remains at them, which is what a touching object should have.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,6 +16,48 @@ from solvers.canvas import Values
 DEVIATIONS = 3.0
 # which are this many medians of the distances from the median, as in a normal distribution.
 DEVIATION_PER_MEDIAN = 1.4826
+
+# Boundary pixels that are looked at for the share of outliers; of more, every so manieth.
+SAMPLE = 1 << 14
+
+
+class Mismatch(NamedTuple):
+    """What is told of the boundary, before anything is done about it; computed when asked for.
+
+    Attributes
+    ----------
+    stored : (n, C)
+        f* - g at the boundary's pixels that lie on the source, in stored values.
+    stored_level : float
+        The size of a level there.
+    working : (m, C)
+        f* - a at all of the boundary's pixels, in working values.
+    working_level : float
+    """
+
+    stored: Values
+    stored_level: float
+    working: Values
+    working_level: float
+
+    def means(self) -> tuple[tuple[float, ...] | None, tuple[float, ...] | None]:
+        """Per channel, the means of |f* - g| and of f* - g, in levels; None where no pixel has a source."""
+        if len(self.stored) == 0:
+            return None, None
+        by_channel = np.ascontiguousarray(self.stored.T, np.float64)  # sums along rows are the fast ones
+        shift = by_channel.mean(1) / self.stored_level
+        mismatch = np.abs(by_channel).mean(1) / self.stored_level
+        return tuple(mismatch.tolist()), tuple(shift.tolist())
+
+    def outliers(self) -> float | None:
+        """The share of outliers among the pixels, or some of them; None where there are none."""
+        if len(self.working) == 0:
+            return None
+        some = self.working[:: 1 + len(self.working) // SAMPLE]
+        return float(np.mean(outlyingness(some, self.working_level) > 1))
+
+
+NOTHING = Mismatch(np.empty((0, 1), np.float32), 1.0, np.empty((0, 1), np.float32), 1.0)
 
 
 def outlyingness(difference: Values, level: float) -> Values:

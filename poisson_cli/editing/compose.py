@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING, Unpack
 
@@ -71,8 +72,7 @@ def compose(
     if rescale:
         space = Fitted(space, *window.range())
         window = window_on(field, screen)
-    mismatch, shift = window.boundary_mismatch() or (None, None)
-    outliers = window.outliers()
+    mismatch = window.mismatch()
     preparing = perf_counter() - start
     if rescale:
         none = window_on(without_guidance(field), 0.0)
@@ -83,16 +83,15 @@ def compose(
         result, scale = solved(window, screen), 1.0
     guidance, paste = preparing + window.guidance_time.seconds, window.paste_time.seconds
     seconds = {"guidance": guidance, "solve": perf_counter() - start - guidance - paste, "paste": paste}
-    report = report_on(
+    report = partial(
+        report_on,
         tool,
         result,
         options,
+        mismatch,
         rectangle=scene.placement.rectangle,
         space=space.name,
         seconds=seconds,
-        boundary_mismatch=mismatch,
-        boundary_shift=shift,
-        outliers=outliers,
         clipped=window.clipped,
         overshoot=window.overshoot,
         scale=scale,

@@ -75,6 +75,8 @@ class Placement:
     def boundary_on_source(self) -> Pixels:
         """Those of them that lie on the source."""
         _, _, ((north, south), (west, east)) = self.source_window()
+        if not (north or south or west or east):
+            return self.boundary
         (row, col), (height, width) = self.boundary, self.region.shape
         there = (north <= row) & (row < height - south) & (west <= col) & (col < width - east)
         return self.boundary if there.all() else (row[there], col[there])
@@ -132,7 +134,7 @@ def place(
         max(0, low[1] - shift[1]) : max(0, high[1] - shift[1]),
     ]
     selected = covered if covered.dtype == np.bool_ else covered != 0
-    rows, cols = np.flatnonzero(selected.any(1)), np.flatnonzero(selected.any(0))
+    rows = np.flatnonzero(selected.any(1))
     if rows.size == 0:
         if not np.any(mask):
             raise InputError("the selection is empty: no pixel of the mask is selected")
@@ -141,6 +143,7 @@ def place(
             f"has no selected pixel on the destination ({_size(destination_shape)}); choose another position"
         )
     first_row, end_row = int(rows[0]), int(rows[-1]) + 1
+    cols = np.flatnonzero(selected[first_row:end_row].any(0))
     first_col, end_col = int(cols[0]), int(cols[-1]) + 1
     rectangle = (low[0] + first_row, low[1] + first_col, end_row - first_row, end_col - first_col)
 

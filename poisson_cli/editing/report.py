@@ -1,9 +1,12 @@
 """What a tool returns: the edited picture, and what was done to it."""
 
+from collections.abc import Callable
+from functools import cached_property
 from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
+from poisson_cli.editing.boundary import NOTHING, Mismatch
 from poisson_cli.editing.solving import SolverOptions
 from solvers import SolveResult
 
@@ -80,16 +83,49 @@ class EditReport(NamedTuple):
     boundary_shift: tuple[float, ...] | None = None
 
 
-class Edit(NamedTuple):
-    """The edited picture, of the destination's shape and dtype, and the report."""
+class Edit:
+    """The edited picture, and the report: what in it takes time is computed when somebody asks for it.
 
-    image: NDArray[Any]
-    report: EditReport
+    Attributes
+    ----------
+    image : array
+        Of the destination's shape and dtype.
+    report : EditReport
+    """
+
+    def __init__(self, image: NDArray[Any], report: Callable[[], EditReport]) -> None:
+        self.image = image
+        self._report = report
+
+    @cached_property
+    def report(self) -> EditReport:
+        """What was done."""
+        return self._report()
+
+    def reporting(self, **more: Any) -> "Edit":
+        """The same edit, with more in its report; what `seconds` holds comes before what it held."""
+
+        def report() -> EditReport:
+            done = self.report
+            seconds = {**more.get("seconds", {}), **done.seconds}
+            return done._replace(**{**more, "seconds": seconds})
+
+        return Edit(self.image, report)
+
+    def __reduce__(self) -> Any:
+        return _edit_of, (self.image, self.report)
 
 
-def report_on(tool: str, result: SolveResult, options: SolverOptions, **done: Any) -> EditReport:
-    """A report of what the solver says, of what it was asked for, and of what else was done."""
+def _edit_of(image: NDArray[Any], report: EditReport) -> Edit:
+    return Edit(image, lambda: report)
+
+
+def report_on(
+    tool: str, result: SolveResult, options: SolverOptions, mismatch: Mismatch = NOTHING, **done: Any
+) -> EditReport:
+    """A report of what the solver says, of what it was asked for, of the boundary, and of what else was done."""
     solver = options.get("solver", "multigrid")
+    means, shift = mismatch.means()
     return EditReport(
         tool=tool,
         unknowns=result.unknowns,
@@ -102,5 +138,8 @@ def report_on(tool: str, result: SolveResult, options: SolverOptions, **done: An
         floating=result.floating,
         error_bound=result.error_bound,
         advice=result.advice,
+        boundary_mismatch=means,
+        boundary_shift=shift,
+        outliers=mismatch.outliers(),
         **done,
     )

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from poisson_cli.editing import boundary, tone
+from poisson_cli.editing.boundary import NOTHING, Mismatch
 from poisson_cli.editing.guidance import Field
 from poisson_cli.editing.layers import Band, Layer, Points
 from poisson_cli.editing.placement import Placement
@@ -19,11 +20,11 @@ from poisson_cli.editing.spaces import AsStored, Space
 from poisson_cli.editing.stopwatch import Stopwatch
 from solvers.canvas import Correct, Equations, Rim, Share, Values, bands, with_channels
 
-# Boundary pixels that are looked at for the share of outliers; of more, every so manieth.
-SAMPLE = 1 << 14
-
 # Pixels that are painted together, where they are scattered.
 TOGETHER = 1 << 14
+
+# How much larger bands are where a pixel needs few steps, so that what a band costs by itself hardly counts.
+LARGER = 4
 
 # The destination and the source.
 Layers = tuple[Layer, Layer | None]
@@ -127,11 +128,13 @@ class Window:
             bottom = top + len(self.region)
             picture = np.empty(self._picture.shape, self._picture.dtype)
             picture[:top], picture[bottom:] = self._picture[:top], self._picture[bottom:]
+            simple = self.field.picture is not None and isinstance(self.space, AsStored)
+            larger = LARGER if simple else 1
 
             def rows(first: int, end: int) -> tuple[int, float]:
                 """How many values were clipped, and how far the furthest left the range."""
                 clipped, overshoot = 0, 0.0
-                for low, high, layers in self.bands(first, end):
+                for low, high, layers in self.bands(first, end, larger):
                     picture[top + low : top + high] = self._picture[top + low : top + high]
                     if not self.region[low:high].any():
                         continue  # between parts that lie far apart
@@ -197,32 +200,16 @@ class Window:
         rows, cols = self._placement.boundary
         return Rim(rows, cols, np.ascontiguousarray(self._differences, np.float32))
 
-    def boundary_mismatch(self) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
-        """Per channel, the means over the boundary of |f* - g| and of f* - g, in levels.
-
-        None where no boundary pixel has a source.
-        """
+    def mismatch(self) -> Mismatch:
+        """How f* differs from g, and from a, on the boundary: copies, so that the pictures may change."""
         if self._source is None:
-            return None
+            return NOTHING
         there = self._placement.boundary_on_source()
-        if there[0].size == 0:
-            return None
         if self.small_integers and self.field.picture == "source" and there is self._placement.boundary:
             differences = self._differences
         else:
             differences = self._destination.stored_at(*there) - self._source.stored_at(*there)
-        level = tone.level(self._picture.dtype)
-        by_channel = np.ascontiguousarray(differences.T, np.float64)  # sums along rows are the fast ones
-        shift = by_channel.mean(1) / level
-        mismatch = np.abs(by_channel, out=by_channel).mean(1) / level
-        return tuple(mismatch.tolist()), tuple(shift.tolist())
-
-    def outliers(self) -> float | None:
-        """The share of outliers among the boundary's pixels, or some of them, before anything is done about them."""
-        if self._source is None or len(self._differences) == 0:
-            return None
-        some = self._differences[:: 1 + len(self._differences) // SAMPLE]
-        return float(np.mean(boundary.outlyingness(some, self.space.level) > 1))
+        return Mismatch(differences, tone.level(self._picture.dtype), self._differences, self.space.level)
 
     def _winsorised_rim(self) -> tuple[NDArray[np.intp], NDArray[np.intp], Values] | None:
         """Rows, columns and known values of the boundary's pixels, by rows; None if there are none."""
@@ -247,14 +234,14 @@ class Window:
                 total += sign * picture.sum((0, 1), dtype=np.float64)
         return (total / (height * width)).astype(self.space.dtype)
 
-    def bands(self, first: int, end: int) -> Iterator[tuple[int, int, Layers]]:
-        """First and end row of each band of these rows, and both pictures: they are nobody else's."""
+    def bands(self, first: int, end: int, larger: int = 1) -> Iterator[tuple[int, int, Layers]]:
+        """First and end row of each band, see `solvers.canvas.bands`, and both pictures: they are nobody else's."""
         _, width, channels = self.shape
         try:
             layers = self._idle.pop()
         except IndexError:  # all in use, by other threads
             layers = self._destination.apart(), None if self._source is None else self._source.apart()
-        for low, high in bands(first, end, width * channels):
+        for low, high in bands(first, end, width * channels, larger):
             yield low, high, layers
         self._idle.append(layers)
 

@@ -59,8 +59,7 @@ def flatten(
     edit = _in_place("flatten", scene, Sieve(edges), rescale=rescale, space=space, **options)
     placement = scene.placement
     share = placement.on_destination(edges)[placement.region].mean()
-    seconds = {**finding, **edit.report.seconds}
-    return Edit(edit.image, edit.report._replace(edge_share=float(share), seconds=seconds))
+    return edit.reporting(edge_share=float(share), seconds=finding)
 
 
 def relight(

@@ -72,8 +72,7 @@ def heal(
         rescale=rescale,
         **options,
     )
-    seconds = {**searching, **edit.report.seconds}
-    return Edit(edit.image, edit.report._replace(offset=(row, col), seconds=seconds))
+    return edit.reporting(offset=(row, col), seconds=searching)
 
 
 def _checked(

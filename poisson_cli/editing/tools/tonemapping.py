@@ -1,5 +1,6 @@
 """The whole-image relative of the paper's tools: gradient domain compression of the dynamic range."""
 
+from functools import partial
 from time import perf_counter
 from typing import Any, Unpack
 
@@ -115,13 +116,13 @@ def tonemap(
         "solve": solved - prepared,
         "paste": perf_counter() - solved,
     }
-    report = report_on(
+    report = partial(
+        report_on,
         "tonemap",
         result,
         options,
         rectangle=(0, 0, *image.shape[:2]),
         space=domain.name,
-        boundary_mismatch=None,
         clipped=clipped,
         overshoot=overshoot,
         seconds=seconds,
