@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from queue import SimpleQueue
 from typing import Any, TypeVar
 
 __all__ = ["do"]
@@ -16,6 +17,43 @@ __all__ = ["do"]
 _T = TypeVar("_T")
 
 _NAP = 0.2  # seconds; where a wait without a limit hears no signal (Windows), this is how long it is deaf
+
+
+class _Outcome:
+    """What becomes of some work."""
+
+    def __init__(self) -> None:
+        self.done = threading.Event()
+        self.result: Any = None
+        self.failure: BaseException | None = None
+
+
+class _Hand:
+    """A thread that does one thing after the other: a new one for each would begin with memory of its own."""
+
+    def __init__(self) -> None:
+        self._given: SimpleQueue[tuple[Callable[[], Any], _Outcome]] = SimpleQueue()
+        threading.Thread(target=self._serve, name="poisson work", daemon=True).start()
+
+    def give(self, work: Callable[[], Any]) -> _Outcome:
+        """Have it do some work, when it has done what it was given before."""
+        outcome = _Outcome()
+        self._given.put((work, outcome))
+        return outcome
+
+    def _serve(self) -> None:
+        while True:
+            work, outcome = self._given.get()
+            try:
+                outcome.result = work()
+            except BaseException as error:
+                outcome.failure = error
+            outcome.done.set()
+            del work, outcome  # not to be kept until there is more to do
+
+
+_idle: list[_Hand] = []
+"""Those that have nothing to do."""
 
 
 def do(work: Callable[[], _T]) -> _T:
@@ -34,22 +72,12 @@ def do(work: Callable[[], _T]) -> _T:
     """
     if threading.current_thread() is not threading.main_thread():
         return work()  # signals are not heard on this thread anyway
-    outcome: list[Any] = []
-    failure: list[BaseException] = []
-    done = threading.Event()
-
-    def finish() -> None:
-        try:
-            outcome.append(work())
-        except BaseException as error:
-            failure.append(error)
-        finally:
-            done.set()
-
-    threading.Thread(target=finish, name="poisson work", daemon=True).start()
-    while not done.wait(_NAP):
+    hand = _idle.pop() if _idle else _Hand()
+    outcome = hand.give(work)
+    while not outcome.done.wait(_NAP):
         pass
-    if failure:
-        raise failure.pop()
-    result: _T = outcome.pop()
+    _idle.append(hand)
+    if outcome.failure is not None:
+        raise outcome.failure
+    result: _T = outcome.result
     return result

@@ -1,6 +1,7 @@
 """The workers of a batch, with work of our own instead of jobs: deaths, retries, memory, order."""
 
 import functools
+import multiprocessing
 import os
 import signal
 import struct
@@ -299,3 +300,19 @@ def test_every_format_says_how_large_it_is(tmp_path, monkeypatch, name):
 def test_there_is_some_memory():
     assert memory.available() > 0
     assert [memory.said(size) for size in (1, 5 << 20, 3 << 29)] == ["1 MiB", "5 MiB", "1.5 GiB"]
+
+
+def test_workers_begun_ahead_do_the_jobs(tmp_path, monkeypatch):
+    """There is no picture to fill: each says so."""
+    with pool.Ahead(2, quiet=True) as ahead:
+        monkeypatch.setattr(pool, "_Worker", None)  # no further one
+        results = list(pool.run(tasks(tmp_path, 5), workers=2, limit=1 << 40, ahead=ahead))
+    assert sorted(result.job for result in results) == [1, 2, 3, 4, 5]
+    assert {result.exit_code for result in results} == {3}
+    assert multiprocessing.active_children() == []
+
+
+def test_workers_that_nobody_takes_are_ended():
+    with pool.Ahead(2, quiet=True):
+        assert len(multiprocessing.active_children()) == 2
+    assert multiprocessing.active_children() == []

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from poisson_cli import errors
 from poisson_cli.batch import checking, display, manifest, report, running
+from poisson_cli.batch.pool import Ahead
 from poisson_cli.batch.task import Task
 
 __all__ = ["Choices", "run"]
@@ -91,23 +92,27 @@ def run(path: Path, choices: Choices) -> int:
     standard_input = str(path) == "-"
     folder = running.folder_for("" if standard_input else path.parent, choices.scheduler)
     listed = manifest.parse(sys.stdin.buffer.read() if standard_input else _read(path))
-    with display.checking(sys.stderr, quiet=choices.quiet, name=str(path)) as watch:
-        tasks = checking.check(
-            listed,
-            folder=folder,
-            defaults=choices.defaults,
-            overwrite=choices.overwrite,
-            skip_existing=choices.skip_existing,
-            make_folders=choices.make_folders,
-            name=str(path),
-            watch=watch,
-        )
-    share, shares = choices.shard
-    tasks = tasks[share - 1 :: shares]
-    if choices.dry_run:
-        _say_what_would_be_done(tasks)
-        return errors.DONE
-    return _run(tasks, str(path), choices)
+    # Workers take as long to get ready as thousands of lines to be checked.
+    alone = choices.scheduler is None and not choices.skip_existing and not choices.dry_run
+    entries = len(listed.entries[choices.shard[0] - 1 :: choices.shard[1]]) if alone else 0
+    with running.ahead(entries, workers=choices.jobs, quiet=choices.quiet) as begun:
+        with display.checking(sys.stderr, quiet=choices.quiet, name=str(path)) as watch:
+            tasks = checking.check(
+                listed,
+                folder=folder,
+                defaults=choices.defaults,
+                overwrite=choices.overwrite,
+                skip_existing=choices.skip_existing,
+                make_folders=choices.make_folders,
+                name=str(path),
+                watch=watch,
+            )
+        share, shares = choices.shard
+        tasks = tasks[share - 1 :: shares]
+        if choices.dry_run:
+            _say_what_would_be_done(tasks)
+            return errors.DONE
+        return _run(tasks, str(path), choices, begun)
 
 
 def _read(path: Path) -> bytes:
@@ -124,7 +129,7 @@ def _say_what_would_be_done(tasks: Sequence[Task]) -> None:
         print(f"{skipped}{shlex.join(['poisson', task.tool, *task.words])}")
 
 
-def _run(tasks: Sequence[Task], name: str, choices: Choices) -> int:
+def _run(tasks: Sequence[Task], name: str, choices: Choices, begun: Ahead) -> int:
     tally = report.Tally(len(tasks))
     began = time.monotonic()
     code = errors.BUG  # if something else ends this
@@ -141,6 +146,7 @@ def _run(tasks: Sequence[Task], name: str, choices: Choices) -> int:
             scheduler=choices.scheduler,
             quiet=choices.quiet,
             begins=screen.begins,
+            begun=begun,
         )
         try:
             with screen.fresh(), contextlib.closing(results):

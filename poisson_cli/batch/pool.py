@@ -28,7 +28,7 @@ from poisson_cli.errors import BUG, TERMINATED, PoissonError
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
 
-__all__ = ["ATTEMPTS", "run"]
+__all__ = ["ATTEMPTS", "Ahead", "run"]
 
 ATTEMPTS: Final = 2
 """How often a job may be begun."""
@@ -50,6 +50,7 @@ def run(
     quiet: bool = True,
     begins: Callable[[Task], None] = lambda task: None,
     perform: Perform | None = None,
+    ahead: Ahead | None = None,
 ) -> Iterator[Result]:
     """Do jobs side by side.
 
@@ -71,6 +72,8 @@ def run(
         Called with each job that begins.
     perform
         What a worker does with a task; None for `poisson_cli.batch.task.perform`.
+    ahead
+        Workers that were begun before, for the same `perform` and as `quiet`.
 
     Yields
     ------
@@ -82,11 +85,45 @@ def run(
     PoissonError
         If workers cannot be started.
     """
-    pool = _Pool(tasks, workers, limit, keep_going, timeout, quiet, begins, perform)
+    begun = [] if ahead is None else ahead.taken()
+    pool = _Pool(tasks, begun, workers, limit, keep_going, timeout, quiet, begins, perform)
     try:
         yield from pool.results()
     finally:
         pool.close()
+
+
+class Ahead:
+    """Workers that get ready while it is not yet said what there is to do; a context that ends those nobody took.
+
+    Parameters
+    ----------
+    workers
+        How many.
+    quiet
+        As `run`.
+    """
+
+    def __init__(self, workers: int, *, quiet: bool) -> None:
+        self._workers: list[_Worker] = []
+        context = multiprocessing.get_context("spawn")
+        with deaf(), alone():
+            for _ in range(workers):
+                self._workers.append(_Worker(context, None, quiet))
+
+    def __enter__(self) -> Ahead:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for worker in self.taken():
+            worker.pipe.close()
+            worker.process.kill()  # it has done nothing that would have to be tidied up
+            worker.process.join(_PATIENCE)
+
+    def taken(self) -> list[_Worker]:
+        """The workers, which are somebody else's from now on."""
+        workers, self._workers = self._workers, []
+        return workers
 
 
 class _Attempt:
@@ -128,6 +165,7 @@ class _Pool:
     def __init__(
         self,
         tasks: Iterable[Task],
+        begun: list[_Worker],
         workers: int,
         limit: int,
         keep_going: bool,
@@ -142,7 +180,7 @@ class _Pool:
         self._quiet, self._begins, self._perform = quiet, begins, perform
         self._context = multiprocessing.get_context("spawn")
         self._estimate = memory.estimator()
-        self._workers: list[_Worker] = []
+        self._workers = begun
         self._stillborn = 0
 
     def results(self) -> Iterator[Result]:

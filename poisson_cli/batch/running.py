@@ -5,13 +5,18 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Generator, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from poisson_cli.batch import groups, outputs
 from poisson_cli.batch import memory as memory_
 from poisson_cli.batch.task import Result, Task
 
-__all__ = ["cores", "folder_for", "results"]
+if TYPE_CHECKING:
+    from poisson_cli.batch.pool import Ahead
+
+__all__ = ["ahead", "cores", "folder_for", "results"]
 
 
 def folder_for(folder: str | Path, scheduler: str | None) -> str:
@@ -31,6 +36,13 @@ def cores() -> int:
     return max(1, math.ceil(min(available_cores(), groups.cores())))
 
 
+def ahead(jobs: int, *, workers: int | None, quiet: bool) -> AbstractContextManager[Ahead]:
+    """Workers on this machine, for so many jobs, that get ready while the jobs are checked; for `results`."""
+    from poisson_cli.batch import pool
+
+    return pool.Ahead(min(workers or cores(), jobs), quiet=quiet)
+
+
 def results(
     tasks: Sequence[Task],
     *,
@@ -42,6 +54,7 @@ def results(
     scheduler: str | None = None,
     quiet: bool = True,
     begins: Callable[[Task], None] = lambda task: None,
+    begun: Ahead | None = None,
 ) -> Generator[Result]:
     """Do jobs, wherever it was asked for.
 
@@ -55,6 +68,8 @@ def results(
         Compile the solver, if it has to be, in silence.
     begins
         Called with each job that begins.
+    begun
+        From `ahead`.
 
     Yields
     ------
@@ -87,4 +102,5 @@ def results(
         timeout=timeout,
         quiet=quiet,
         begins=begins,
+        ahead=begun,
     )

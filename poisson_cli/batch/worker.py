@@ -29,6 +29,8 @@ Perform = Callable[["Task", int], "Result"]
 READY: Final = "ready"
 """The first message of a worker."""
 
+_KEPT: Final = 64 << 20
+
 _PATIENCE: Final = 3.0
 """Seconds that a worker has to tidy up when the batch is gone."""
 
@@ -85,6 +87,7 @@ def serve(pipe: Connection, perform: Perform | None, quiet: bool) -> None:
         threading.Thread(target=_end_with_the_batch, name="end with the batch", daemon=True).start()
         # Read when numpy is loaded; jobs are what runs in parallel.
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+        _keep_memory()
         do = _the_usual(quiet) if perform is None else perform
         pipe.send(READY)
         while True:
@@ -101,6 +104,23 @@ def serve(pipe: Connection, perform: Perform | None, quiet: bool) -> None:
             os._exit(code)  # at once: nothing is left to tidy up
         finally:
             os._exit(code)  # even if a signal, of which only the first is heard, comes just now
+
+
+def _keep_memory() -> None:
+    """Have the C library keep memory that a job frees, up to `_KEPT` bytes, for the next one.
+
+    It would give it back and ask for it again, several times a job, and each page that comes is one of zeros: without
+    that a job on small pictures takes a tenth less.
+    """
+    import ctypes
+
+    try:
+        mallopt = ctypes.CDLL(None).mallopt
+    except (OSError, AttributeError, TypeError):
+        return  # a system without GNU's C library has its own ways
+    trim_threshold, mmap_threshold = -1, -3  # as <malloc.h> has them
+    mallopt(mmap_threshold, _KEPT // 2)
+    mallopt(trim_threshold, _KEPT)
 
 
 def _the_usual(quiet: bool) -> Perform:
