@@ -194,8 +194,7 @@ def _right_hand_side(problem: PoissonProblem, parts: Parts, arena: Arena) -> NDA
     b = arena.doubles(len(parts.place), channels)
     rim = canvas.rim()
     if rim is not None:
-        b[:] = 0
-        kernels.sum_rim(b, parts.place, rim.values, rim.row, rim.col, width)
+        kernels.sum_rim(b, parts.place, parts.near, rim.values, rim.row, rim.col, width)
         return b
     for band in canvas.equations(0, canvas.shape[0]):
         low, high = _within(parts.place, band.first, band.end, width)

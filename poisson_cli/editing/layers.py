@@ -33,6 +33,8 @@ class Layer:
         What to show of the picture instead of its stored values.
     space : Space, optional
         The space of the working values; the values as stored if none is given.
+    whole : Stored, optional
+        The whole picture, where what is shown of it are its own values.
     """
 
     def __init__(
@@ -43,10 +45,12 @@ class Layer:
         *,
         look: Look | None = None,
         space: Space | None = None,
+        whole: tone.Stored | None = None,
     ) -> None:
         self.space = space or AsStored(stored.dtype)
         self.channels = self.space.channels(channels)
         self.look = look
+        self.whole = whole
         self._picture = stored
         self._stored_channels = channels
         self._padding = padding
@@ -62,7 +66,8 @@ class Layer:
         tone.check_values("destination", stored)
         if space is not None:
             space.check("destination", stored.shape[2])
-        return cls(stored, stored.shape[2], space=space)
+        whole = tone.Stored.of(destination, (placement.top, placement.left))
+        return cls(stored, stored.shape[2], space=space, whole=whole)
 
     @classmethod
     def of_source(
@@ -90,7 +95,9 @@ class Layer:
             raise InputError(
                 f"the source has {own} channels but the destination has {channels}: convert one of them"
             )
-        return cls(stored, channels or 1, padding, look=look, space=space)
+        as_it_is = look is None and own == (channels or 1) and not any(padding[0] + padding[1])
+        whole = tone.Stored.of(source, (rows.start, cols.start)) if as_it_is else None
+        return cls(stored, channels or 1, padding, look=look, space=space, whole=whole)
 
     def apart(self) -> "Layer":
         """The same layer with memory of its own, for another thread."""

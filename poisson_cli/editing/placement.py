@@ -14,6 +14,9 @@ from solvers.kernels.setup import find_rim
 MaskOn = Literal["source", "destination"]
 Pixels = tuple[NDArray[np.intp], NDArray[np.intp]]
 
+# Share of the window below which a region is specks and strokes: most of its pixels lie on the boundary.
+SPARSE = 0.25
+
 
 @dataclass(frozen=True, eq=False)
 class Placement:
@@ -65,8 +68,11 @@ class Placement:
         height, width = self.region.shape
         words = np.zeros(width // 8 + 1, np.int64)
         room = 4 * (height + width)  # enough for what a hand draws; if it is not, the count is known then
+        unknowns = int(np.count_nonzero(self.region))
+        if unknowns < SPARSE * height * width:
+            room = min(4 * unknowns, height * width)
         while True:
-            rows, cols = np.empty(room, np.int64), np.empty(room, np.int64)
+            rows, cols = np.empty(room + 1, np.int64), np.empty(room + 1, np.int64)
             count = int(find_rim(rows, cols, self.region, words, words.view(np.uint8)))
             if count <= room:
                 return rows[:count], cols[:count]

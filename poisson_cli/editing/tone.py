@@ -4,14 +4,14 @@ Working values keep the stored scale: 0..255 for 8 bit, 0..65535 for 16 bit, 0..
 ranges are exact in float32, so a value that an edit leaves alone comes back as the same integer.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from poisson_cli.errors import InputError
 from solvers.canvas import Values
-from solvers.kernels.exact import round_into
+from solvers.kernels.pictures import round_at, round_into, subtract_pictures
 from solvers.problem import LARGEST_VALUE
 
 FULL_SCALE: dict[type[np.generic], float] = {
@@ -20,6 +20,35 @@ FULL_SCALE: dict[type[np.generic], float] = {
     np.float32: 1.0,
     np.float64: 1.0,
 }
+
+
+class Stored(NamedTuple):
+    """A picture of integers that lies in one piece, as kernels want it, and where a window begins on it.
+
+    Attributes
+    ----------
+    pixels : (H, W, C) uint8 or uint16, C-contiguous
+    corner : (row, column)
+    """
+
+    pixels: NDArray[Any]
+    corner: tuple[int, int]
+
+    @classmethod
+    def of(cls, picture: NDArray[Any], corner: tuple[int, int]) -> "Stored | None":
+        """None for floats, and for pictures that do not lie in one piece."""
+        if picture.dtype.kind != "u" or not picture.flags.c_contiguous:
+            return None
+        return cls(picture if picture.ndim == 3 else picture[:, :, np.newaxis], corner)
+
+
+def subtract(one: Stored, other: Stored, rows: NDArray[np.intp], cols: NDArray[np.intp]) -> Values:
+    """one - other, (n, C) float32, at single pixels of the window."""
+    differences = np.empty((len(rows), one.pixels.shape[2]), np.float32)
+    subtract_pictures(
+        differences, one.pixels, other.pixels, rows, cols, np.array([*one.corner, *other.corner])
+    )
+    return differences
 
 
 def check_picture(name: str, picture: Any) -> NDArray[Any]:
@@ -96,6 +125,18 @@ def paste(picture: NDArray[Any], values: Values, region: NDArray[np.bool_], left
     np.copyto(picture[:, left : left + values.shape[1]], values, where=region[:, :, np.newaxis])
     overshoot = excess(values[region], dtype) if excess(values, dtype) > 0 else 0.0
     return 0, overshoot / level(dtype)
+
+
+def paste_at(
+    picture: Stored, base: Stored, correction: NDArray[np.float64], place: NDArray[np.int64], width: int
+) -> tuple[int, float]:
+    """The same for base + correction, (n, C), at places row * width + column, ascending, of pictures of integers."""
+    largest = FULL_SCALE[picture.pixels.dtype.type]
+    corners = np.array([*picture.corner, *base.corner])
+    clipped, beyond = round_at(
+        picture.pixels, base.pixels, correction, place, width, corners, np.float32(largest)
+    )
+    return int(clipped), float(beyond) / level(picture.pixels.dtype)
 
 
 def excess(working: Values, dtype: np.dtype[Any]) -> float:

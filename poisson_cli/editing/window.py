@@ -156,11 +156,16 @@ class Window:
         with self.paste_time:
             picture = self._picture.copy()
             window = with_channels(self._placement.on_destination(picture))
+            base, width = self._base(), window.shape[1]
+            painted = tone.Stored.of(picture, (self._placement.top, self._placement.left))
+            if base is not None and painted is not None:
+                self.clipped, self.overshoot = tone.paste_at(painted, base, correction, place, width)
+                return picture
             self.clipped, self.overshoot = 0, 0.0
             for first in range(0, len(place), TOGETHER):
                 here = slice(first, first + TOGETHER)
-                row = place[here] // window.shape[1]
-                col = place[here] - row * window.shape[1]
+                row = place[here] // width
+                col = place[here] - row * width
                 points = Points(self._destination, self._source, row, col)
                 working, before, stored = self.guess(points)
                 working += correction[here]
@@ -221,8 +226,18 @@ class Window:
     @cached_property
     def _differences(self) -> Values:
         """f* - a at the boundary's pixels."""
+        base, whole = self._base(), self._destination.whole
+        if base is not None and whole is not None:
+            return tone.subtract(whole, base, *self._placement.boundary)
         points = Points(self._destination, self._source, *self._placement.boundary)
         return points.destination - self.field.base(points)
+
+    def _base(self) -> tone.Stored | None:
+        """The picture that a is, as it is stored; None where a is made of pictures, or of one that is not at hand."""
+        if self.field.picture is None or not isinstance(self.space, AsStored) or self._shift is not None:
+            return None
+        layer = self._source if self.field.picture == "source" else self._destination
+        return None if layer is None else layer.whole
 
     def _mean_shift(self) -> NDArray[Any]:
         """The mean of f* less that of a, per channel."""

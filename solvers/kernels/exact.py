@@ -17,18 +17,6 @@ def bits_of(value):
 
 
 @inlined
-def float32_bits(value):
-    """The bit pattern of a value that is not negative, as a float32."""
-    return np.int32(np.float32(value).view(np.int32))
-
-
-@inlined
-def float32_of(bits):
-    """The value with this bit pattern."""
-    return np.int32(bits).view(np.float32)
-
-
-@inlined
 def largest_of(a, b):
     """The larger one of two bit patterns."""
     return a if a > b else b
@@ -233,66 +221,6 @@ def add_solution(solution, line, total, x, top, runs, table):
             at = 2 * (row & 1) * size + (begin // 2 + 1) * stride + low // 2
             interleave(line, total, x, at, (high - low + 1) // 2, size, channels)
             add_line(target, line, ((row - top) * width + low) * channels, (high - low) * channels)
-
-
-# --- integers ----------------------------------------------------------------------------------------------------
-
-
-@loops
-def mark_values(marks, region, at, n, channels):
-    """marks = 1 for each value of an unknown pixel, for n pixels from region[at] on."""
-    at = u(at)
-    if channels == 3:  # written out, so that LLVM puts three vectors together
-        for i in range(u(n)):
-            mark = np.uint8(region[at + i])
-            marks[u(3) * i] = mark
-            marks[u(3) * i + u(1)] = mark
-            marks[u(3) * i + u(2)] = mark
-    else:
-        for channel in range(channels):
-            first, step = u(channel), u(channels)
-            for i in range(u(n)):
-                marks[first + step * i] = np.uint8(region[at + i])
-
-
-@loops
-def round_row(target, values, marks, to, at, n, largest):
-    """target[to : to + n] = values from `at` on, rounded half to even and kept within 0 ... largest, where marked.
-
-    Returns how many are clipped, and the bit pattern of how far the furthest leaves the range, in float32.
-    """
-    to, at, nothing = u(to), u(at), largest - largest
-    clipped, furthest = np.int32(0), np.int32(0)
-    for i in range(u(n)):
-        value, marked = values[at + i], marks[i] != 0
-        beyond = -value if value < nothing else value - largest if value > largest else nothing
-        beyond = beyond if marked else nothing
-        clipped = np.int32(clipped + np.int32(beyond > 0.5))  # in 32 bits, as the values are
-        furthest = largest_of(furthest, float32_bits(beyond))
-        kept = nothing if value < nothing else largest if value > largest else value
-        rounded = np.int32(np.rint(kept))
-        target[to + i] = rounded if marked else np.int32(target[to + i])
-    return clipped, furthest
-
-
-@jit
-def round_into(picture, marks, values, region, left, largest):
-    """Pixels of the region, rounded half to even and clipped to 0 ... largest; the others keep what they hold.
-
-    picture: (n, W, channels) integers.  marks: scratch for w * channels bytes.  values: (n, w, channels), for columns
-    left ... left + w.  region: (n, w) bool.  largest: of the values' dtype.  Returns how many values are clipped, and
-    how far the furthest leaves the range.
-    """
-    n, width, channels = values.shape
-    target, flat, inside = picture.reshape(-1), values.reshape(-1), region.reshape(-1)
-    clipped, furthest = np.int64(0), np.int32(0)
-    for row in range(n):
-        mark_values(marks, inside, row * width, width, channels)
-        to = (row * picture.shape[1] + left) * channels
-        more, bits = round_row(target, flat, marks, to, row * width * channels, width * channels, largest)
-        clipped += more
-        furthest = largest_of(furthest, bits)
-    return np.float64(clipped), np.float64(float32_of(furthest))
 
 
 # --- from stage to stage -----------------------------------------------------------------------------------------

@@ -230,36 +230,35 @@ def sum_pairs(b, place, values, across, down, rhs, height, top, low, high):
 
 
 @inlined
-def find(place, k, wanted):
-    """The first k, no less than this one, whose place is not before the wanted one; or the last."""
-    while k < place.shape[0] - 1 and place[u(k)] < wanted:
+def add_known(b, i, values, rows, cols, width, k, wanted):
+    """b_i += the value of the known pixel at place `wanted`, which comes k-th or later; returns which it is."""
+    while k < rows.shape[0] - 1 and rows[u(k)] * width + cols[u(k)] < wanted:
         k += 1
+    for c in range(values.shape[1]):
+        b[u(i), u(c)] += np.float64(values[u(k), u(c)])
     return k
 
 
 @jit
-def sum_rim(b, place, values, rows, cols, width):
-    """The same where the first guess and v are zero: b += the known values beside each unknown; b holds zeros.
+def sum_rim(b, place, near, values, rows, cols, width):
+    """The same where the first guess and v are zero: b = the sum of the known values beside each unknown.
 
-    values: (n, channels) of the known pixels in `rows` and `cols`, in reading order.
+    near: of `link`.  values: (m, channels) of the known pixels in `rows` and `cols`, in reading order: all that have an
+    unknown neighbour.
     """
-    n, channels = values.shape
     north, west, east, south = np.int64(0), np.int64(0), np.int64(0), np.int64(0)
-    for i in range(n):
-        row, col = rows[u(i)], cols[u(i)]
-        at = row * width + col
-        north, west = find(place, north, at - width), find(place, west, at - 1)
-        east, south = find(place, max(east, west), at + 1), find(place, south, at + width)
-        beside = (
-            (place[u(north)] == at - width, north),
-            (place[u(west)] == at - 1 and col > 0, west),
-            (place[u(east)] == at + 1 and col < width - 1, east),
-            (place[u(south)] == at + width, south),
-        )
-        for there, k in beside:
-            if there:
-                for c in range(channels):
-                    b[u(k), u(c)] += values[u(i), u(c)]
+    for i in range(place.shape[0]):
+        at = place[u(i)]
+        for c in range(values.shape[1]):
+            b[u(i), u(c)] = 0.0
+        if near[u(i), 0] == KNOWN:
+            north = add_known(b, i, values, rows, cols, width, north, at - width)
+        if near[u(i), 1] == KNOWN:
+            west = add_known(b, i, values, rows, cols, width, west, at - 1)
+        if near[u(i), 2] == KNOWN:
+            east = add_known(b, i, values, rows, cols, width, east, at + 1)
+        if near[u(i), 3] == KNOWN:
+            south = add_known(b, i, values, rows, cols, width, south, at + width)
 
 
 @jit

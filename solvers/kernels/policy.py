@@ -35,6 +35,7 @@ ENTRY_POINTS = {
     "fold": ["f4[:], f4[:], i8[:,:], i8[:,:], i8"],
     "clear": ["f4[:], i8[:,:], i8[:,:], i8"],
     "round_into": [f"{v}[:,:,:], u1[:], f4[:,:,:], b1[:,:], i8, f4 -> f8, f8" for v in ("u1", "u2")],
+    "subtract_pictures": [f"f4[:,:], {v}[:,:,:], {v}[:,:,:], i8[:], i8[:], i8[:]" for v in ("u1", "u2")],
     "survey": ["b1[:,:], i8, i8, i8 -> i8, i8"],
 }
 
@@ -49,13 +50,14 @@ FURTHER = {
         f"f8[:,:], i8[:], {v}[:,:,:], {v}[:,:,:], {v}[:,:,:], {v}[:,:,:], i8, i8, i8, i8"
         for v in ("f4", "f8")
     ],
-    "sum_rim": ["f8[:,:], i8[:], f4[:,:], i8[:], i8[:], i8"],
+    "sum_rim": ["f8[:,:], i8[:], i4[:,:], f4[:,:], i8[:], i8[:], i8"],
     "find_residuals": ["i8[:], f8[:,:], f8[:,:], i4[:,:], i4[:], i8, i8"],
     "link": ["i4[:,:], i4[:], i8[:], i8, i8, i8, i8, i8 -> i8"],
     "number_parts": ["i4[:], i4[:], i4[:], i4[:,:], i8, i8, i8 -> i8"],
     "locate": ["i8[:], i8, i8[:], b1[:], i8, i8 -> i8"],
     "sort_parts": ["i4[:], i4[:], i4[:], i4[:], i4[:]"],
     "add_solution": [_ADD_SOLUTION.format(v="f8")],
+    "round_at": [f"{v}[:,:,:], {v}[:,:,:], f8[:,:], i8[:], i8, i8[:], f4 -> f8, f8" for v in ("u1", "u2")],
     "coarsen_region": ["f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], i4[:,:], i8[:,:]"],
     "coarsen": ["f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], i4[:,:], i8[:,:], i8"],
     "weigh": ["f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8 -> i8"],
@@ -70,6 +72,7 @@ library = Library(
         "solvers.kernels.cycle",
         "solvers.kernels.exact",
         "solvers.kernels.narrow",
+        "solvers.kernels.pictures",
     ),
     ingredients=("solvers.kernels.policy", "solvers.layout"),
     signatures=ENTRY_POINTS,

@@ -569,12 +569,12 @@ def mark_rim(marks, region, at, above, below, width):
 def find_rim(rows, cols, region, words, marks):
     """Rows and columns of the known pixels with an unknown neighbour, row by row; returns how many there are.
 
-    rows, cols: (n,) int64, written as far as they go.  words: int64 zeros, enough for a row of bytes and one more.
-    marks: the same memory as bytes.
+    rows, cols: (n + 1,) int64, room for n and for what is tried in between.  words: int64 zeros, enough for a row of
+    bytes and one more.  marks: the same memory as bytes.
     """
     height, width = region.shape
     flat = region.reshape(-1)
-    room, count = rows.shape[0], 0
+    room, count = np.int64(rows.shape[0] - 1), np.int64(0)
     for row in range(height):
         at = row * width
         # Where the image ends the pixel itself stands for the one beyond: it is not both known and unknown.
@@ -588,8 +588,7 @@ def find_rim(rows, cols, region, words, marks):
             if words[word] == 0:
                 continue
             for col in range(8 * word, min(8 * word + 8, width)):
-                if marks[col]:
-                    if count < room:
-                        rows[count], cols[count] = row, col
-                    count += 1
+                here = u(min(count, room))
+                rows[here], cols[here] = row, col  # if it is none, the next one comes here
+                count += np.int64(marks[u(col)])
     return count

@@ -1,0 +1,162 @@
+"""Pictures of integers, as they are stored: differences of them, and values rounded into them."""
+
+import numpy as np
+
+from solvers.kernels.policy import inlined, jit, loops
+from solvers.native.prefetch import prefetch
+
+u = np.uint64  # what arrays are indexed with, see solvers.kernels
+
+AHEAD = 24  # pixels: how far before its turn one is asked for, where they are scattered
+
+
+@inlined
+def float32_bits(value):
+    """The bit pattern of a value that is not negative, as a float32."""
+    return np.int32(np.float32(value).view(np.int32))
+
+
+@inlined
+def float32_of(bits):
+    """The value with this bit pattern."""
+    return np.int32(bits).view(np.float32)
+
+
+@inlined
+def largest_of(a, b):
+    """The larger one of two bit patterns."""
+    return a if a > b else b
+
+
+@inlined
+def beyond_range(value, largest):
+    """How far a value leaves 0 ... largest; 0 if it does not."""
+    nothing = largest - largest
+    return -value if value < nothing else value - largest if value > largest else nothing
+
+
+@inlined
+def rounded(value, largest):
+    """A value rounded half to even and kept within 0 ... largest, as an int32."""
+    nothing = largest - largest
+    return np.int32(np.rint(nothing if value < nothing else largest if value > largest else value))
+
+
+# --- in rows -----------------------------------------------------------------------------------------------------
+
+
+@loops
+def mark_values(marks, region, at, n, channels):
+    """marks = 1 for each value of an unknown pixel, for n pixels from region[at] on."""
+    at = u(at)
+    if channels == 3:  # written out, so that LLVM puts three vectors together
+        for i in range(u(n)):
+            mark = np.uint8(region[at + i])
+            marks[u(3) * i] = mark
+            marks[u(3) * i + u(1)] = mark
+            marks[u(3) * i + u(2)] = mark
+    else:
+        for channel in range(channels):
+            first, step = u(channel), u(channels)
+            for i in range(u(n)):
+                marks[first + step * i] = np.uint8(region[at + i])
+
+
+@loops
+def round_row(target, values, marks, to, at, n, largest):
+    """target[to : to + n] = values from `at` on, rounded, where marked.
+
+    Returns how many are clipped, and the bit pattern of how far the furthest leaves the range, in float32.
+    """
+    to, at = u(to), u(at)
+    clipped, furthest = np.int32(0), np.int32(0)
+    for i in range(u(n)):
+        value, marked = values[at + i], marks[i] != 0
+        beyond = beyond_range(value, largest) if marked else largest - largest
+        clipped = np.int32(clipped + np.int32(beyond > 0.5))  # in 32 bits, as the values are
+        furthest = largest_of(furthest, float32_bits(beyond))
+        target[to + i] = rounded(value, largest) if marked else np.int32(target[to + i])
+    return clipped, furthest
+
+
+@jit
+def round_into(picture, marks, values, region, left, largest):
+    """Pixels of the region, rounded half to even and clipped to 0 ... largest; the others keep what they hold.
+
+    picture: (n, W, channels) integers.  marks: scratch for w * channels bytes.  values: (n, w, channels), for columns
+    left ... left + w.  region: (n, w) bool.  largest: of the values' dtype.  Returns how many values are clipped, and
+    how far the furthest leaves the range.
+    """
+    n, width, channels = values.shape
+    target, flat, inside = picture.reshape(-1), values.reshape(-1), region.reshape(-1)
+    clipped, furthest = np.int64(0), np.int32(0)
+    for row in range(n):
+        mark_values(marks, inside, row * width, width, channels)
+        to = (row * picture.shape[1] + left) * channels
+        more, bits = round_row(target, flat, marks, to, row * width * channels, width * channels, largest)
+        clipped += more
+        furthest = largest_of(furthest, bits)
+    return np.float64(clipped), np.float64(float32_of(furthest))
+
+
+# --- pixel by pixel ----------------------------------------------------------------------------------------------
+
+
+@jit
+def subtract_pictures(differences, one, other, rows, cols, corners):
+    """differences = one - other at single pixels.
+
+    differences: (n, C) float32.  one, other: (H, W, C) integers, each of its own height and width.  rows, cols: (n,)
+    int64.  corners: what to add to them in each picture, row and column.
+    """
+    channels = differences.shape[1]
+    a, b = one.reshape(-1), other.reshape(-1)
+    row_a, row_b = one.shape[1] * channels, other.shape[1] * channels
+    first_a, first_b = corners[0] * row_a + corners[1] * channels, corners[2] * row_b + corners[3] * channels
+    n = rows.shape[0]
+    for i in range(n):
+        ahead = u(min(i + AHEAD, n - 1))
+        prefetch(a, first_a + rows[ahead] * row_a + cols[ahead] * channels)
+        prefetch(b, first_b + rows[ahead] * row_b + cols[ahead] * channels)
+        row, col = rows[u(i)], cols[u(i)] * channels
+        at_a, at_b = first_a + row * row_a + col, first_b + row * row_b + col
+        for c in range(channels):
+            differences[u(i), u(c)] = np.int32(a[u(at_a + c)]) - np.int32(b[u(at_b + c)])
+
+
+@jit
+def round_at(picture, base, correction, place, width, corners, largest):
+    """picture = base + correction at single pixels, rounded half to even and clipped to 0 ... largest, a float32.
+
+    picture, base: (H, W, C) integers.  correction: (n, C) float64.  place: (n,) int64, row * width + column, ascending.
+    corners: what to add to these in picture and in base, row and column.  Returns what `round_into` returns.
+    """
+    channels = correction.shape[1]
+    target, source = picture.reshape(-1), base.reshape(-1)
+    line_t, line_s = picture.shape[1] * channels, base.shape[1] * channels
+    first_t, first_s = (
+        corners[0] * line_t + corners[1] * channels,
+        corners[2] * line_s + corners[3] * channels,
+    )
+    # From a place to where its pixel lies: the rows of the pictures may be longer.
+    longer_t, longer_s = line_t - width * channels, line_s - width * channels
+    n = place.shape[0]
+    row = place[0] // width if n > 0 else np.int64(0)
+    next_row = (row + 1) * width
+    clipped, furthest = np.int64(0), np.int32(0)
+    for i in range(n):
+        at = place[u(i)]
+        while at >= next_row:
+            row += 1
+            next_row += width
+        ahead = place[u(min(i + AHEAD, n - 1))] * channels  # as if in this row
+        prefetch(target, first_t + ahead + row * longer_t)
+        prefetch(source, first_s + ahead + row * longer_s)
+        to, of = first_t + at * channels + row * longer_t, first_s + at * channels + row * longer_s
+        for c in range(channels):
+            value = np.float32(np.float64(source[u(of + c)]) + correction[u(i), u(c)])
+            beyond = beyond_range(value, largest)
+            clipped += beyond > 0.5
+            furthest = largest_of(furthest, float32_bits(beyond))
+            target[u(to + c)] = rounded(value, largest)
+    return np.float64(clipped), np.float64(float32_of(furthest))
