@@ -166,7 +166,6 @@ def _about_the_run() -> frozenset[str]:
     return frozenset(parameter.name or "" for parameter in declared)
 
 
-@functools.lru_cache(1024)
 def key_of(name: str) -> str:
     """A name with its underscores: ``mask-on``, as the command line has it, is ``mask_on`` as well."""
     return name.strip().replace("-", "_")

@@ -24,23 +24,6 @@ __all__ = ["Reader"]
 _QUIET: Final = "--quiet"
 
 
-class _Brief(click.Command):
-    """A command that makes its parser once: click makes one for each line, which takes as long as all that follows."""
-
-    _parser: Any = None
-
-    def get_params(self, ctx: click.Context) -> list[click.Parameter]:
-        """All; click would see each time whether two have one name."""
-        return self.params
-
-    def make_parser(self, ctx: click.Context) -> Any:
-        """The same as before, for another line."""
-        if self._parser is None:
-            self._parser = super().make_parser(ctx)
-        self._parser.ctx = ctx
-        return self._parser
-
-
 class _Known(NamedTuple):
     """A command that has some of the options, and the values of those that it has not."""
 
@@ -111,7 +94,7 @@ def _known(tool: Tool, context: click.Context) -> _Known:
     }
     said = [parameter for parameter in tool.command.params if parameter.name not in unsaid]
     return _Known(
-        _Brief(tool.name, callback=tool.command.callback, params=said, add_help_option=False), unsaid
+        click.Command(tool.name, callback=tool.command.callback, params=said, add_help_option=False), unsaid
     )
 
 

@@ -218,10 +218,12 @@ def residual_finest(scratch, x, b, diagonal, size, stride, plane, at, n):
     nothing = np.float32(0.0)
     for i in range(u(n)):  # outside the region b means nothing
         shared = x[along + i] + x[under + i]
-        around_upper = b[upper + i] + (x[north + i] + x[side + i]) + shared
-        around_lower = b[lower + i] + (x[south + i] + x[flank + i]) + shared
-        r_upper = around_upper - diagonal[d_upper + i] * x[upper + i]
-        r_lower = around_lower - diagonal[d_lower + i] * x[lower + i]
+        r_upper = (b[upper + i] + (x[north + i] + x[side + i]) + shared) - diagonal[d_upper + i] * x[
+            upper + i
+        ]
+        r_lower = (b[lower + i] + (x[south + i] + x[flank + i]) + shared) - diagonal[d_lower + i] * x[
+            lower + i
+        ]
         r_upper = r_upper if diagonal[d_upper + i] > nothing else nothing
         r_lower = r_lower if diagonal[d_lower + i] > nothing else nothing
         scratch[i] = r_upper + r_lower
