@@ -83,8 +83,8 @@ class Cycling:
         self.team = team
         self.names = [cycle]
         self._stronger = False
-        # Two segments of interpolated values, with one more at the end and what whole vectors add.
-        room = 2 * (hierarchy.longest_segment + 3 * LANES)
+        # A segment's residuals in all channels, or two of interpolated values, and what whole vectors add.
+        room = max(channels, 2) * (hierarchy.longest_segment + 3 * LANES)
         self.scratch = [aligned_zeros(room) for _ in range(team.threads)]
         self.scratch64 = np.zeros(len(hierarchy.coarsest.band), np.float64)
         self.n_large = sum(team.shares(n * channels) for n in hierarchy.unknowns[:-1])

@@ -54,7 +54,7 @@ def largest_of(a, b):
     return a if a > b else b
 
 
-# --- relaxation --------------------------------------------------------------------------------------------------
+# --- places and coefficients -------------------------------------------------------------------------------------
 #
 # Both quarters of a colour are gone through together: they have the same neighbours, half of which lie at their own
 # place, and are read once for the two of them.  Of that colour `upper` is the quarter in the even rows, `lower` that in
@@ -66,111 +66,148 @@ def largest_of(a, b):
 # At a place t, upper's neighbours are along and under at t, `north` = under a row before, and `side` = along a column
 # before (red) or behind (black); lower's are the same two at t, `south` = along a row behind, and `flank` = under a
 # column behind (red) or before (black).
+#
+# So are the three channels of a colour picture on coarse levels, where half of all that is read are coefficients: they
+# are read once for the three of them.
 
 
 @inlined
 def quarters(size, colour, at):
-    """Where a place lies in the quarters upper, lower, along, under of a field that begins there."""
-    return (
-        u(colour * size + at),
-        u((3 - colour) * size + at),
-        u((colour ^ 1) * size + at),
-        u((colour ^ 2) * size + at),
-    )
+    """Where a place lies in upper and lower of a field that begins there."""
+    return u(colour * size + at), u((3 - colour) * size + at)
 
 
 @inlined
-def beyond(stride, colour, along, under):
-    """Where north, south, side and flank lie, from where along and under do."""
+def places(size, stride, colour, at):
+    """Where it lies in upper, lower, along and under, and where north, south, side and flank are."""
+    upper, lower = quarters(size, colour, at)
+    along, under = u((colour ^ 1) * size + at), u((colour ^ 2) * size + at)
+    north, south = under - u(stride), along + u(stride)
     side = along - u(1) if colour == RED else along + u(1)
     flank = under + u(1) if colour == RED else under - u(1)
-    return under - u(stride), along + u(stride), side, flank
+    return upper, lower, along, under, north, south, side, flank
 
 
 @inlined
-def edges(stride, colour, upper, lower, along, under):
-    """Where the conductances lie: upper's to along and side, lower's to under and flank, and upper's to north.
+def edges(colour, at):
+    """Where upper's conductances lie, to north (in edge_s), side and along (in edge_e), and lower's, to flank and under
+    (in edge_e), for `places` of an edge field.
 
-    Upper's to under, lower's to along and lower's to south are those that `edge_s` holds at upper, along and lower.
+    Upper's to under, lower's to along and lower's to south are what edge_s holds at upper, along and lower.
     """
-    north, _, side, flank = beyond(stride, colour, along, under)
+    upper, lower, along, under, north, _, side, flank = at
     if colour == RED:
-        return upper, side, under, lower, north
-    return along, upper, lower, flank, north
+        return north, side, upper, lower, under
+    return north, upper, along, flank, lower
 
 
 @loops
-def relax_red(x, b, weight, size, stride, plane, at, n):
-    """Gauss-Seidel on n places of the red quarters of the finest level, from `at` on; the channel begins at `plane`."""
-    w_upper, w_lower, _, _ = quarters(size, RED, at)
-    upper, lower, along, under = quarters(size, RED, plane + at)
-    north, south, side, flank = beyond(stride, RED, along, under)
-    for i in range(u(n)):
-        shared = x[along + i] + x[under + i]
-        x[upper + i] = weight[w_upper + i] * (b[upper + i] + (x[north + i] + x[side + i]) + shared)
-        x[lower + i] = weight[w_lower + i] * (b[lower + i] + (x[south + i] + x[flank + i]) + shared)
+def coefficients(centre, edge_e, edge_s, i, own, at, to):
+    """Of upper and lower: the weights or diagonals, and the conductances to north, under, side, along and along, south,
+    flank, under.
+
+    centre: weight or diagonal, `own` its `quarters`.  at: `places` of the edge fields.  to: from `edges`.
+    """
+    upper, lower, along = at[0], at[1], at[2]
+    north, side, to_along, flank, under = to
+    return (
+        centre[own[0] + i], centre[own[1] + i],
+        edge_s[north + i], edge_s[upper + i], edge_e[side + i], edge_e[to_along + i],
+        edge_s[along + i], edge_s[lower + i], edge_e[flank + i], edge_e[under + i],
+    )  # fmt: skip
+
+
+# --- relaxation --------------------------------------------------------------------------------------------------
 
 
 @loops
-def relax_finest(x, b, weight, size, stride, plane, colour, at, n, omega):
+def relax_red(x, b, weight, size, stride, channels, at, n):
+    """Gauss-Seidel on n places of the red quarters of the finest level, from `at` on."""
+    w_upper, w_lower = quarters(size, RED, at)
+    for channel in range(channels):
+        here = 4 * channel * size + at
+        upper, lower, along, under, north, south, side, flank = places(size, stride, RED, here)
+        for i in range(u(n)):
+            shared = x[along + i] + x[under + i]
+            x[upper + i] = weight[w_upper + i] * (b[upper + i] + (x[north + i] + x[side + i]) + shared)
+            x[lower + i] = weight[w_lower + i] * (b[lower + i] + (x[south + i] + x[flank + i]) + shared)
+
+
+@loops
+def relax_finest(x, b, weight, size, stride, channels, colour, at, n, omega):
     """The same for any colour, over-relaxed by `omega` (float32).  Returns the bit pattern of the largest change."""
-    w_upper, w_lower, _, _ = quarters(size, colour, at)
-    upper, lower, along, under = quarters(size, colour, plane + at)
-    north, south, side, flank = beyond(stride, colour, along, under)
+    w_upper, w_lower = quarters(size, colour, at)
     largest = np.int32(0)
-    for i in range(u(n)):
-        shared = x[along + i] + x[under + i]
-        new_upper = weight[w_upper + i] * (b[upper + i] + (x[north + i] + x[side + i]) + shared)
-        new_lower = weight[w_lower + i] * (b[lower + i] + (x[south + i] + x[flank + i]) + shared)
-        change_upper, change_lower = omega * (new_upper - x[upper + i]), omega * (new_lower - x[lower + i])
-        largest = largest_of(largest, largest_of(bits_of(change_upper), bits_of(change_lower)))
-        x[upper + i] += change_upper
-        x[lower + i] += change_lower
+    for channel in range(channels):
+        here = 4 * channel * size + at
+        upper, lower, along, under, north, south, side, flank = places(size, stride, colour, here)
+        for i in range(u(n)):
+            shared = x[along + i] + x[under + i]
+            new_upper = weight[w_upper + i] * (b[upper + i] + (x[north + i] + x[side + i]) + shared)
+            new_lower = weight[w_lower + i] * (b[lower + i] + (x[south + i] + x[flank + i]) + shared)
+            change_upper, change_lower = (
+                omega * (new_upper - x[upper + i]),
+                omega * (new_lower - x[lower + i]),
+            )
+            largest = largest_of(largest, largest_of(bits_of(change_upper), bits_of(change_lower)))
+            x[upper + i] += change_upper
+            x[lower + i] += change_lower
     return largest
 
 
 @loops
-def relax_coarse(x, b, weight, edge_e, edge_s, size, stride, plane, offset, skip, colour, at, n, omega):
-    """The same on a coarse level, whose coefficients begin at `offset`, and at `skip` less in the edge fields."""
-    w_upper, w_lower, _, _ = quarters(size, colour, offset + at)
-    e_upper, e_lower, e_along, e_under = quarters(size, colour, offset - skip + at)
-    to_along, to_side, to_under, to_flank, to_north = edges(
-        stride, colour, e_upper, e_lower, e_along, e_under
+def relaxed(x, b, at, i, c):
+    """What Gauss-Seidel makes of a place of upper and of lower of a coarse level; c: `coefficients` with weights."""
+    upper, lower, along, under, north, south, side, flank = at
+    w_upper, w_lower, to_north, to_under, to_side, to_along, from_along, to_south, to_flank, from_under = c
+    new_upper = (b[upper + i] + to_north * x[north + i] + to_under * x[under + i]) + (
+        to_side * x[side + i] + to_along * x[along + i]
     )
-    upper, lower, along, under = quarters(size, colour, plane + at)
-    north, south, side, flank = beyond(stride, colour, along, under)
+    new_lower = (b[lower + i] + from_along * x[along + i] + to_south * x[south + i]) + (
+        to_flank * x[flank + i] + from_under * x[under + i]
+    )
+    return w_upper * new_upper, w_lower * new_lower
+
+
+@loops
+def relax_coarse_places(x, b, at, i, c, omega):
+    """Puts it there, over-relaxed by `omega`: by 1 means that what was there may be anything."""
+    upper, lower = at[0], at[1]
+    new_upper, new_lower = relaxed(x, b, at, i, c)
     if omega == np.float32(1.0):
-        for i in range(u(n)):
-            x[upper + i] = weight[w_upper + i] * (
-                (b[upper + i] + edge_s[to_north + i] * x[north + i] + edge_s[e_upper + i] * x[under + i])
-                + (edge_e[to_side + i] * x[side + i] + edge_e[to_along + i] * x[along + i])
-            )
-            x[lower + i] = weight[w_lower + i] * (
-                (b[lower + i] + edge_s[e_along + i] * x[along + i] + edge_s[e_lower + i] * x[south + i])
-                + (edge_e[to_flank + i] * x[flank + i] + edge_e[to_under + i] * x[under + i])
-            )
+        x[upper + i], x[lower + i] = new_upper, new_lower
     else:
+        x[upper + i] += omega * (new_upper - x[upper + i])
+        x[lower + i] += omega * (new_lower - x[lower + i])
+
+
+@loops
+def relax_coarse(x, b, weight, edge_e, edge_s, size, stride, channels, offset, skip, colour, at, n, omega):
+    """Relaxation on a coarse level, whose coefficients begin at `offset`, and at `skip` less in the edge fields."""
+    w, e = quarters(size, colour, offset + at), places(size, stride, colour, offset - skip + at)
+    to, own = edges(colour, e), places(size, stride, colour, channels * offset + at)
+    if channels == 3:
+        second, third = u(4 * size), u(8 * size)
         for i in range(u(n)):
-            new_upper = weight[w_upper + i] * (
-                (b[upper + i] + edge_s[to_north + i] * x[north + i] + edge_s[e_upper + i] * x[under + i])
-                + (edge_e[to_side + i] * x[side + i] + edge_e[to_along + i] * x[along + i])
-            )
-            new_lower = weight[w_lower + i] * (
-                (b[lower + i] + edge_s[e_along + i] * x[along + i] + edge_s[e_lower + i] * x[south + i])
-                + (edge_e[to_flank + i] * x[flank + i] + edge_e[to_under + i] * x[under + i])
-            )
-            x[upper + i] += omega * (new_upper - x[upper + i])
-            x[lower + i] += omega * (new_lower - x[lower + i])
+            c = coefficients(weight, edge_e, edge_s, i, w, e, to)
+            relax_coarse_places(x, b, own, i, c, omega)
+            relax_coarse_places(x, b, own, second + i, c, omega)
+            relax_coarse_places(x, b, own, third + i, c, omega)
+        return
+    for channel in range(channels):
+        first = u(4 * channel * size)
+        for i in range(u(n)):
+            c = coefficients(weight, edge_e, edge_s, i, w, e, to)
+            relax_coarse_places(x, b, own, first + i, c, omega)
 
 
 @jit
 def relax_over(x, b, weight, segments, table, channels, colour, omega, first, end):
     """Half sweep of over-relaxation by `omega` (float32) over segments [first, end) of the finest level."""
     stride, size = table[0, STRIDE], table[0, QUARTER]
-    for channel in range(channels):
-        for k in range(first, end):
-            at, n = segments[k, 0], segments[k, 1] - segments[k, 0]
-            relax_finest(x, b, weight, size, stride, 4 * channel * size, colour, at, n, omega)
+    for k in range(first, end):
+        at, n = segments[k, 0], segments[k, 1] - segments[k, 0]
+        relax_finest(x, b, weight, size, stride, channels, colour, at, n, omega)
 
 
 @loops
@@ -189,69 +226,78 @@ def relax_segment_from_zero(x, b, weight, segments, table, level, channels, k):
 def relax_segment(x, b, weight, edge_e, edge_s, segments, table, level, channels, colour, k, omega):
     """Relaxation of the two quarters of one colour; returns the largest change of black cells on the finest level."""
     stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
-    skip = table[1, OFFSET]
     at, n = segments[k, 0], segments[k, 1] - segments[k, 0]
-    largest = np.int32(0)
-    for channel in range(channels):
-        plane = channels * offset + 4 * channel * size
-        if level > 0:
-            relax_coarse(
-                x, b, weight, edge_e, edge_s, size, stride, plane, offset, skip, colour, at, n, omega
-            )
-        elif colour == RED:
-            relax_red(x, b, weight, size, stride, plane, at, n)
-        else:
-            change = relax_finest(x, b, weight, size, stride, plane, BLACK, at, n, omega)
-            largest = largest_of(largest, change)
-    return largest
+    if level > 0:
+        skip = table[1, OFFSET]
+        relax_coarse(x, b, weight, edge_e, edge_s, size, stride, channels, offset, skip, colour, at, n, omega)
+    elif colour == RED:
+        relax_red(x, b, weight, size, stride, channels, at, n)
+    else:
+        return relax_finest(x, b, weight, size, stride, channels, BLACK, at, n, omega)
+    return np.int32(0)
 
 
 # --- restriction -------------------------------------------------------------------------------------------------
 
 
 @loops
-def residual_finest(scratch, x, b, diagonal, size, stride, plane, at, n):
-    """scratch = residuals in n places of the red quarters of the finest level, two for each cell of the next one."""
-    d_upper, d_lower, _, _ = quarters(size, RED, at)
-    upper, lower, along, under = quarters(size, RED, plane + at)
-    north, south, side, flank = beyond(stride, RED, along, under)
+def residuals_coarse(x, b, at, i, c):
+    """The sum of the residuals in a place of upper and of lower of a coarse level; c: `coefficients` with diagonals."""
+    upper, lower, along, under, north, south, side, flank = at
+    d_upper, d_lower, to_north, to_under, to_side, to_along, from_along, to_south, to_flank, from_under = c
     nothing = np.float32(0.0)
-    for i in range(u(n)):  # outside the region b means nothing
-        shared = x[along + i] + x[under + i]
-        r_upper = (b[upper + i] + (x[north + i] + x[side + i]) + shared) - diagonal[d_upper + i] * x[
-            upper + i
-        ]
-        r_lower = (b[lower + i] + (x[south + i] + x[flank + i]) + shared) - diagonal[d_lower + i] * x[
-            lower + i
-        ]
-        r_upper = r_upper if diagonal[d_upper + i] > nothing else nothing
-        r_lower = r_lower if diagonal[d_lower + i] > nothing else nothing
-        scratch[i] = r_upper + r_lower
+    r_upper = (
+        (b[upper + i] - d_upper * x[upper + i])
+        + (to_north * x[north + i] + to_under * x[under + i])
+        + (to_side * x[side + i] + to_along * x[along + i])
+    )
+    r_lower = (
+        (b[lower + i] - d_lower * x[lower + i])
+        + (from_along * x[along + i] + to_south * x[south + i])
+        + (to_flank * x[flank + i] + from_under * x[under + i])
+    )
+    return (r_upper if d_upper > nothing else nothing) + (r_lower if d_lower > nothing else nothing)
 
 
 @loops
-def residual_coarse(scratch, x, b, diagonal, edge_e, edge_s, size, stride, plane, offset, skip, at, n):
-    """The same on a coarse level."""
-    d_upper, d_lower, _, _ = quarters(size, RED, offset + at)
-    e_upper, e_lower, e_along, e_under = quarters(size, RED, offset - skip + at)
-    to_along, to_side, to_under, to_flank, to_north = edges(stride, RED, e_upper, e_lower, e_along, e_under)
-    upper, lower, along, under = quarters(size, RED, plane + at)
-    north, south, side, flank = beyond(stride, RED, along, under)
+def find_residuals_finest(scratch, x, b, diagonal, size, stride, channels, at, n):
+    """scratch[channel * n : ] = residuals in n places of the red quarters, two for each cell of the next level."""
+    d_upper, d_lower = quarters(size, RED, at)
     nothing = np.float32(0.0)
-    for i in range(u(n)):
-        r_upper = (
-            (b[upper + i] - diagonal[d_upper + i] * x[upper + i])
-            + (edge_s[to_north + i] * x[north + i] + edge_s[e_upper + i] * x[under + i])
-            + (edge_e[to_side + i] * x[side + i] + edge_e[to_along + i] * x[along + i])
-        )
-        r_lower = (
-            (b[lower + i] - diagonal[d_lower + i] * x[lower + i])
-            + (edge_s[e_along + i] * x[along + i] + edge_s[e_lower + i] * x[south + i])
-            + (edge_e[to_flank + i] * x[flank + i] + edge_e[to_under + i] * x[under + i])
-        )
-        r_upper = r_upper if diagonal[d_upper + i] > nothing else nothing
-        r_lower = r_lower if diagonal[d_lower + i] > nothing else nothing
-        scratch[i] = r_upper + r_lower
+    for channel in range(channels):
+        here, to = 4 * channel * size + at, u(channel * n)
+        upper, lower, along, under, north, south, side, flank = places(size, stride, RED, here)
+        for i in range(u(n)):  # outside the region b means nothing
+            shared = x[along + i] + x[under + i]
+            around_upper = b[upper + i] + (x[north + i] + x[side + i]) + shared
+            around_lower = b[lower + i] + (x[south + i] + x[flank + i]) + shared
+            r_upper = around_upper - diagonal[d_upper + i] * x[upper + i]
+            r_lower = around_lower - diagonal[d_lower + i] * x[lower + i]
+            r_upper = r_upper if diagonal[d_upper + i] > nothing else nothing
+            r_lower = r_lower if diagonal[d_lower + i] > nothing else nothing
+            scratch[to + i] = r_upper + r_lower
+
+
+@loops
+def find_residuals_coarse(
+    scratch, x, b, diagonal, edge_e, edge_s, size, stride, channels, offset, skip, at, n
+):
+    """The same on a coarse level."""
+    d, e = quarters(size, RED, offset + at), places(size, stride, RED, offset - skip + at)
+    to, own = edges(RED, e), places(size, stride, RED, channels * offset + at)
+    if channels == 3:
+        second, third, to_second, to_third = u(4 * size), u(8 * size), u(n), u(2 * n)
+        for i in range(u(n)):
+            c = coefficients(diagonal, edge_e, edge_s, i, d, e, to)
+            scratch[i] = residuals_coarse(x, b, own, i, c)
+            scratch[to_second + i] = residuals_coarse(x, b, own, second + i, c)
+            scratch[to_third + i] = residuals_coarse(x, b, own, third + i, c)
+        return
+    for channel in range(channels):
+        first, here = u(4 * channel * size), u(channel * n)
+        for i in range(u(n)):
+            c = coefficients(diagonal, edge_e, edge_s, i, d, e, to)
+            scratch[here + i] = residuals_coarse(x, b, own, first + i, c)
 
 
 @inlined
@@ -270,28 +316,29 @@ def hand_down(b, scratch, start, n, at, size):
 
 
 @inlined
-def restrict_segment(
-    b, x, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, channel, k
-):
+def restrict_segment(b, x, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, k):
     """Right-hand side of level + 1 below a segment: each cell the sum of its children's residuals.
 
     A black half sweep must have come before: black residuals are then zero, and only the red ones are computed.
     """
     stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
-    plane = channels * offset + 4 * channel * size
     at = segments[k, 0]
     n = segments[k, 1] - at
     if level == 0:
-        residual_finest(scratch, x, b, diagonal, size, stride, plane, at, n)
+        find_residuals_finest(scratch, x, b, diagonal, size, stride, channels, at, n)
     else:
         skip = table[1, OFFSET]
-        residual_coarse(scratch, x, b, diagonal, edge_e, edge_s, size, stride, plane, offset, skip, at, n)
+        find_residuals_coarse(
+            scratch, x, b, diagonal, edge_e, edge_s, size, stride, channels, offset, skip, at, n
+        )
     coarse_size = table[level + 1, QUARTER]
-    plane = channels * table[level + 1, OFFSET] + 4 * channel * coarse_size
-    for run in range(segments[k, 2], segments[k, 3]):
-        row, low = np.int64(runs[run, 0]), np.int64(runs[run, 1])
-        to = plane + 2 * (row & 1) * coarse_size + (row // 2 + 1) * table[level + 1, STRIDE] + low // 2
-        hand_down(b, scratch, (row + 1) * stride + low - at, np.int64(runs[run, 2]) - low, to, coarse_size)
+    for channel in range(channels):
+        plane = channels * table[level + 1, OFFSET] + 4 * channel * coarse_size
+        for run in range(segments[k, 2], segments[k, 3]):
+            row, low = np.int64(runs[run, 0]), np.int64(runs[run, 1])
+            to = plane + 2 * (row & 1) * coarse_size + (row // 2 + 1) * table[level + 1, STRIDE] + low // 2
+            start = channel * n + (row + 1) * stride + low - at
+            hand_down(b, scratch, start, np.int64(runs[run, 2]) - low, to, coarse_size)
 
 
 # --- interpolation -----------------------------------------------------------------------------------------------
@@ -423,10 +470,9 @@ def sweep(x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table
         done_black_2 = min(done_red_2, segments[black_2, 0]) if black_2 < black_2_end else done_red_2
         # What comes last goes first, so that a wave is as short as can be.
         if down < down_end and segments[down, 1] + reach <= done_black_2:
-            for channel in range(channels):
-                restrict_segment(
-                    b, x, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, channel, down
-                )  # fmt: skip
+            restrict_segment(
+                b, x, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, down
+            )
             down += 1
         elif black_2 < black_2_end and segments[black_2, 1] + reach <= done_red_2:
             change = relax_segment(
