@@ -295,11 +295,33 @@ def add_channels(sums, to, a, factor, width):
         add_scaled(sums, to, sums, a, factor, width)
 
 
+@inlined
+def add_row(sums, to, others, a, factor, width):
+    """sums[to ...] += factor * others[a ...], a row of the window.  In two pieces of whole vectors: LLVM would make one
+    loop of them, with masks, and what is stored through a mask takes long to be read again.
+    """
+    add_scaled(sums, to, others, a, factor, WINDOW)
+    if width == 4:
+        add_scaled(sums, to + WINDOW, others, a + WINDOW, factor, 4)
+    else:
+        add_scaled(sums, to + WINDOW, others, a + WINDOW, factor, width)
+
+
 @loops
-def scale_row(sums, to, others, a, factor, n):
+def scale(sums, to, others, a, factor, n):
     """sums[to ...] = factor * others[a ...], n of them."""
     for k in range(u(n)):
         sums[u(to) + k] = factor * others[u(a) + k]
+
+
+@inlined
+def scale_row(sums, to, others, a, factor, width):
+    """The same for a row of the window."""
+    scale(sums, to, others, a, factor, WINDOW)
+    if width == 4:
+        scale(sums, to + WINDOW, others, a + WINDOW, factor, 4)
+    else:
+        scale(sums, to + WINDOW, others, a + WINDOW, factor, width)
 
 
 @inlined
@@ -361,14 +383,11 @@ def solve_in_window(sums, window, b, near, order, rank, start, n, reach, width):
         slot = k % WINDOW
         own, row = slot * span, k * span
         inverse = 1.0 / window[u(own + slot)]
-        scale_row(sums, row, window, own, inverse, span)
+        scale_row(sums, row, window, own, inverse, width)
         for other in range(k + 1, last + 1):
             there = other % WINDOW * span
             weight = window[u(there + slot)]
-            if width == 4:
-                add_scaled(window, there, sums, row, -weight, WINDOW + 4)
-            else:
-                add_scaled(window, there, sums, row, -weight, span)
+            add_row(window, there, sums, row, -weight, width)
             window[u(there + slot)] = 0.0
     for back in range(n):
         k = n - 1 - back
@@ -431,11 +450,11 @@ def crowded(nodes, v, room):
     """Whether a neighbour of v might have no room for the others."""
     stride = LINKS + room
     d = np.int64(nodes[u(v * stride + DEGREE)])
-    full = False
     for p in range(d):
         q = np.int64(nodes[u(v * stride + LINKS + p)])
-        full |= nodes[u(q * stride + DEGREE)] + d - 2 > room
-    return full
+        if nodes[u(q * stride + DEGREE)] + d - 2 > room:
+            return True
+    return False
 
 
 @jit
