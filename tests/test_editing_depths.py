@@ -37,6 +37,18 @@ def test_16_bit(tool, shape):
 
 
 @pytest.mark.parametrize("tool", TOOLS)
+@pytest.mark.parametrize("dtype", [np.uint16, np.float32, np.float64])
+def test_the_byte_order_of_a_picture_does_not_matter(tool, dtype):
+    """FITS, TIFF and PNG hold the high byte first; who reads them by hand may leave it at that."""
+    pictures = [(deep(*piece) / (1 if dtype == np.uint16 else 65535)).astype(dtype) for piece in PIECES]
+    swapped = [picture.astype(picture.dtype.newbyteorder()) for picture in pictures]
+    mask = SHAPES["lasso"](*SIZE)
+    image = TOOLS[tool].edit(*swapped, mask).image
+    assert image.dtype == dtype
+    assert np.array_equal(image, TOOLS[tool].edit(*pictures, mask).image)
+
+
+@pytest.mark.parametrize("tool", TOOLS)
 def test_16_bit_with_a_tighter_tolerance_is_right_to_the_unit(tool):
     destination, source, mask = deep(*PIECES[0]), deep(*PIECES[1]), lasso(*SIZE)
     image = TOOLS[tool].edit(destination, source, mask, tolerance=1e-6).image

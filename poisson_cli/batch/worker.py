@@ -30,6 +30,7 @@ READY: Final = "ready"
 """The first message of a worker."""
 
 _KEPT: Final = 64 << 20
+"""Bytes that a worker may hold on to between jobs."""
 
 _PATIENCE: Final = 3.0
 """Seconds that a worker has to tidy up when the batch is gone."""

@@ -54,6 +54,8 @@ def subtract(one: Stored, other: Stored, rows: NDArray[np.intp], cols: NDArray[n
 def check_picture(name: str, picture: Any) -> NDArray[Any]:
     """`picture` as an array that can be edited: (H, W) or (H, W, C) of a known depth, with at least one value.
 
+    Its values come in the machine's byte order, whatever theirs is.
+
     Raises
     ------
     InputError
@@ -67,7 +69,7 @@ def check_picture(name: str, picture: Any) -> NDArray[Any]:
         raise InputError(
             f"the {name} has shape {array.shape}; a picture is (H, W) or (H, W, C) and not empty"
         )
-    return array
+    return array.astype(array.dtype.newbyteorder("="), copy=False)
 
 
 def level(dtype: np.dtype[Any]) -> float:
