@@ -1,6 +1,7 @@
 """The functions of `poisson_cli`: those of `poisson_cli.editing`, returning the image alone."""
 
 import inspect
+import pickle
 
 import numpy as np
 import pytest
@@ -57,3 +58,16 @@ def test_errors_are_those_of_python_as_well():
     with pytest.raises(ValueError, match="empty") as caught:
         poisson_cli.fill(DESTINATION, np.zeros_like(DESTINATION_MASK))
     assert isinstance(caught.value, poisson_cli.InputError)
+
+
+def test_an_edit_tells_the_same_after_its_pictures_have_changed_and_in_another_process():
+    """The report is made when it is asked for; what it is made of was kept."""
+    destination, source, mask = DESTINATION.copy(), SOURCE.copy(), MASK.copy()
+    expected = editing.clone(destination, source, mask).report
+    edit = editing.clone(destination, source, mask)
+    destination[:], source[:], mask[:] = 0, 255, False
+    copy = pickle.loads(pickle.dumps(edit))
+    assert np.array_equal(copy.image, edit.image)
+    for report in (edit.report, copy.report):
+        assert report._replace(seconds={}) == expected._replace(seconds={})
+    assert max(expected.boundary_mismatch) > 1
