@@ -9,11 +9,14 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from poisson_cli import errors
 from poisson_cli.batch import checking, display, manifest, report, running
-from poisson_cli.batch.pool import Ahead
 from poisson_cli.batch.task import Task
+
+if TYPE_CHECKING:
+    from poisson_cli.batch.pool import Ahead
 
 __all__ = ["Choices", "run"]
 
@@ -92,10 +95,12 @@ def run(path: Path, choices: Choices) -> int:
     standard_input = str(path) == "-"
     folder = running.folder_for("" if standard_input else path.parent, choices.scheduler)
     listed = manifest.parse(sys.stdin.buffer.read() if standard_input else _read(path))
-    # Workers take as long to get ready as thousands of lines to be checked.
-    alone = choices.scheduler is None and not choices.skip_existing and not choices.dry_run
-    entries = len(listed.entries[choices.shard[0] - 1 :: choices.shard[1]]) if alone else 0
-    with running.ahead(entries, workers=choices.jobs, quiet=choices.quiet) as begun:
+    share, shares = choices.shard
+    jobs = len(listed.entries[share - 1 :: shares])
+    # Workers take as long to get ready as a thousand lines to be checked.
+    surely = jobs > 0 and not (choices.scheduler or choices.skip_existing or choices.dry_run)
+    ready = running.ahead(jobs, workers=choices.jobs, quiet=choices.quiet) if surely else None
+    with ready or contextlib.nullcontext() as begun:
         with display.checking(sys.stderr, quiet=choices.quiet, name=str(path)) as watch:
             tasks = checking.check(
                 listed,
@@ -107,7 +112,6 @@ def run(path: Path, choices: Choices) -> int:
                 name=str(path),
                 watch=watch,
             )
-        share, shares = choices.shard
         tasks = tasks[share - 1 :: shares]
         if choices.dry_run:
             _say_what_would_be_done(tasks)
@@ -129,7 +133,7 @@ def _say_what_would_be_done(tasks: Sequence[Task]) -> None:
         print(f"{skipped}{shlex.join(['poisson', task.tool, *task.words])}")
 
 
-def _run(tasks: Sequence[Task], name: str, choices: Choices, begun: Ahead) -> int:
+def _run(tasks: Sequence[Task], name: str, choices: Choices, begun: Ahead | None) -> int:
     tally = report.Tally(len(tasks))
     began = time.monotonic()
     code = errors.BUG  # if something else ends this

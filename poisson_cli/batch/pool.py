@@ -107,9 +107,8 @@ class Ahead:
     def __init__(self, workers: int, *, quiet: bool) -> None:
         self._workers: list[_Worker] = []
         context = multiprocessing.get_context("spawn")
-        with deaf(), alone():
-            for _ in range(workers):
-                self._workers.append(_Worker(context, None, quiet))
+        for _ in range(workers):
+            _begin(self._workers, context, None, quiet)
 
     def __enter__(self) -> Ahead:
         return self
@@ -157,6 +156,13 @@ class _Worker:
         self.attempt: _Attempt | None = None
         self.deadline = math.inf
         self.is_stopped = False  # because its job took too long
+
+
+def _begin(workers: list[_Worker], context: SpawnContext, perform: Perform | None, quiet: bool) -> _Worker:
+    """Start a further worker; it is among the others before any signal is heard."""
+    with deaf(), alone():
+        workers.append(_Worker(context, perform, quiet))
+    return workers[-1]
 
 
 class _Pool:
@@ -263,10 +269,7 @@ class _Pool:
                 return worker
         if len(self._workers) >= self._most:
             return None
-        with deaf(), alone():
-            worker = _Worker(self._context, self._perform, self._quiet)
-            self._workers.append(worker)
-        return worker
+        return _begin(self._workers, self._context, self._perform, self._quiet)
 
     def _hear(self, worker: _Worker) -> Iterator[Result]:
         """Take in what a worker says, or that it says no more."""

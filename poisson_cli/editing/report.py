@@ -102,13 +102,11 @@ class Edit:
         """What was done."""
         return self._report()
 
-    def reporting(self, **more: Any) -> "Edit":
-        """The same edit, with more in its report; what `seconds` holds comes before what it held."""
+    def reporting(self, seconds: dict[str, float], **more: Any) -> "Edit":
+        """The same edit, with more in its report, and with seconds that were spent before it."""
 
         def report() -> EditReport:
-            done = self.report
-            seconds = {**more.get("seconds", {}), **done.seconds}
-            return done._replace(**{**more, "seconds": seconds})
+            return self.report._replace(seconds={**seconds, **self.report.seconds}, **more)
 
         return Edit(self.image, report)
 

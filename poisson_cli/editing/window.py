@@ -128,8 +128,7 @@ class Window:
             bottom = top + len(self.region)
             picture = np.empty(self._picture.shape, self._picture.dtype)
             picture[:top], picture[bottom:] = self._picture[:top], self._picture[bottom:]
-            simple = self.field.picture is not None and isinstance(self.space, AsStored)
-            larger = LARGER if simple else 1
+            larger = LARGER if self._as_stored else 1
 
             def rows(first: int, end: int) -> tuple[int, float]:
                 """How many values were clipped, and how far the furthest left the range."""
@@ -232,9 +231,14 @@ class Window:
         points = Points(self._destination, self._source, *self._placement.boundary)
         return points.destination - self.field.base(points)
 
+    @property
+    def _as_stored(self) -> bool:
+        """Whether a is f* or g, in the values that are stored."""
+        return self.field.picture is not None and isinstance(self.space, AsStored)
+
     def _base(self) -> tone.Stored | None:
         """The picture that a is, as it is stored; None where a is made of pictures, or of one that is not at hand."""
-        if self.field.picture is None or not isinstance(self.space, AsStored) or self._shift is not None:
+        if not self._as_stored or self._shift is not None:
             return None
         layer = self._source if self.field.picture == "source" else self._destination
         return None if layer is None else layer.whole

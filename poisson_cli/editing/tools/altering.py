@@ -59,7 +59,7 @@ def flatten(
     edit = _in_place("flatten", scene, Sieve(edges), rescale=rescale, space=space, **options)
     placement = scene.placement
     share = placement.on_destination(edges)[placement.region].mean()
-    return edit.reporting(edge_share=float(share), seconds=finding)
+    return edit.reporting(finding, edge_share=float(share))
 
 
 def relight(

@@ -72,7 +72,7 @@ def heal(
         rescale=rescale,
         **options,
     )
-    return edit.reporting(offset=(row, col), seconds=searching)
+    return edit.reporting(searching, offset=(row, col))
 
 
 def _checked(
