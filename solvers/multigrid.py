@@ -11,7 +11,7 @@ from solvers.certificate import Solver, proven_error
 from solvers.correction import Correction, corrected
 from solvers.cycles import CYCLES, Cycle, Cycling
 from solvers.memory import borrowed_arena
-from solvers.narrow import DirectSolution, split
+from solvers.narrow import NarrowSolution, split
 from solvers.problem import OptionError, PoissonProblem
 from solvers.refinement import solve_in_stages
 from solvers.result import Progress, SolveResult
@@ -93,9 +93,9 @@ def solve_multigrid(
     max_iterations = check_iterations(max_iterations, MAX_CYCLES)
 
     with borrowed_arena() as arena, Team(threads, problem.unknowns * problem.channels) as team:
-        narrow = split(problem, arena) if direct else None
+        narrow = split(problem, arena, tolerance) if direct else None
         if narrow is not None and len(narrow.place) == problem.unknowns:
-            result = _directly(narrow, tolerance, progress)
+            result = _without_cycles(narrow, tolerance, progress)
             return certified(result, problem, narrow.add_to, team) if certify else result
         error_of_narrow = 0.0 if narrow is None else narrow.error / problem.level
         region = problem.region if narrow is None else narrow.rest()
@@ -118,7 +118,7 @@ def solve_multigrid(
             corrected(problem, correct, team),
             tolerance=tolerance,
             iterations=max(len(part.history) for part in solved),
-            method=("" if narrow is None else "directly and by ") + "multigrid " + ", then ".join(names),
+            method=" and by ".join([*_how(narrow), f"multigrid {', then '.join(names)}"]),
         )
         return certified(result, problem, correct, team) if certify else result
 
@@ -186,14 +186,28 @@ def _both(one: Correct, other: Correct) -> Correct:
     return add
 
 
-def _directly(narrow: DirectSolution, tolerance: float, progress: Progress | None) -> SolveResult:
+def _without_cycles(narrow: NarrowSolution, tolerance: float, progress: Progress | None) -> SolveResult:
     """The result where nothing is left to cycles."""
-    problem = narrow.problem
+    problem, iterations = narrow.problem, narrow.sweeps
     error = narrow.error / problem.level
     if progress is not None:
-        progress(0, error)
+        progress(iterations, error)
     solution = problem.canvas.paint_at(narrow.place, narrow.values)
-    return SolveResult.after([error], problem, solution, tolerance=tolerance, iterations=0, method="directly")
+    return SolveResult.after(
+        [error],
+        problem,
+        solution,
+        tolerance=tolerance,
+        iterations=iterations,
+        method=" and by ".join(_how(narrow)),
+    )
+
+
+def _how(narrow: NarrowSolution | None) -> list[str]:
+    """How narrow parts were solved."""
+    if narrow is None:
+        return []
+    return ["directly", "sor"] if narrow.sweeps else ["directly"]
 
 
 def certified(result: SolveResult, problem: PoissonProblem, correct: Correct, team: Team) -> SolveResult:

@@ -1,15 +1,18 @@
-"""Narrow parts of a region, solved directly: no grids, no cycles, nothing proportional to the region's bounding box.
+"""Narrow parts of a region, solved pixel by pixel: no grids, no cycles, nothing proportional to the bounding box.
 
 Multigrid sweeps whole vectors of a grid's rows.  In a stroke two pixels wide, or a speck of dust, most of such a vector
 is known already, and the sweeps cost ten times what they cost in a disk.  There, Gaussian elimination is cheaper: it
-takes only the unknowns that there are.  A part of a few pixels across is eliminated in reading order, and all that is
-in use at a time is a small full matrix.  In any other, unknowns with few neighbours come first (minimum degree, Tinney
-and Walker 1967): a stroke is eaten up from its ends, an unknown having two or three neighbours left at its turn; where
-strokes cross, what remains in the end is a small net of crossings.
+takes only the unknowns that there are.
+
+A part of a few pixels across is eliminated in reading order, and all that is in use at a time is a small full matrix.
+In any other, the red half of a checkerboard comes first, and then unknowns that have few neighbours left (minimum
+degree, Tinney and Walker 1967): a stroke is eaten up from its ends.  Where strokes cross, a net of crossings remains
+that is dear to eliminate, but easy to iterate on: known pixels are near everywhere, so that twenty or thirty sweeps of
+over-relaxation solve it, however large it is.
 
 Known pixels separate the parts of a region, so that each may be solved in its own way: `split` takes out what is narrow
-enough, and leaves the rest to multigrid.  The error of a direct solution x is bounded by max|b - A x| max A^-1 1, both
-of which are at hand: A z = 1 is solved beside A x = b, as one more channel.
+enough, and leaves the rest to multigrid.  The error of a solution x is bounded by max|b - A x| max A^-1 1, both of
+which are at hand: A z = 1 is solved beside A x = b, as one more channel.
 """
 
 from collections.abc import Iterator
@@ -26,17 +29,14 @@ from solvers.problem import PoissonProblem
 
 # Where this share of the places that multigrid sweeps is unknown, multigrid is the faster one: disks, noise.
 WELL_FILLED = 0.45
-# Mean breadth, in pixels, up to which a part is solved directly,
+# Mean breadth, in pixels, up to which a part counts as narrow.
 NARROW = 6.0
-# and steps of elimination per unknown, of about 10 ns each, after which it is left to multigrid after all.
-EFFORT = 60
 # Unknowns of one part.  A call of a kernel is not to take longer than .2 s: Python hears signals only in between.
-LARGEST_PART = 500_000
+LARGEST_PART = 1_500_000
 CALL = 500_000  # unknowns of all parts of a call,
 LONG_CALL = 5_000_000  # and of one that does little with each
-# Of a part's unknowns, those that may be left when none has few neighbours any more: a share, or so many,
-LARGE_SHARE, FEWEST_LARGE = 8, 256
-CORE = 400  # and those that are solved with a full matrix in the end
+# Over-relaxation goes on until the error was this share of what is allowed, before the last sweep.
+PRECISION = 0.5
 
 LARGEST_REGION = 1 << 30  # unknowns: they are numbered in 32 bits
 
@@ -103,7 +103,7 @@ class Parts(NamedTuple):
         return (sizes <= LARGEST_PART) & (breadth <= NARROW)
 
 
-class DirectSolution(NamedTuple):
+class NarrowSolution(NamedTuple):
     """The correction to the first guess in the narrow parts of a problem's region.
 
     Attributes
@@ -114,12 +114,15 @@ class DirectSolution(NamedTuple):
         The correction there.
     error : float
         No value is further than this from the exact one, in the units of the problem; from the true residual.
+    sweeps : int
+        Sweeps of over-relaxation that it took; 0 if elimination left nothing.
     """
 
     problem: PoissonProblem
     place: NDArray[np.int64]
     values: NDArray[np.float64]
     error: float
+    sweeps: int
 
     def add_to(self, guess: Values, top: int) -> None:
         """Adds the correction to rows (n, W, C) of the first guess, the first of which is row `top` of the image."""
@@ -133,8 +136,11 @@ class DirectSolution(NamedTuple):
         return region
 
 
-def split(problem: PoissonProblem, arena: Arena) -> DirectSolution | None:
-    """Solves the narrow parts of the region; None if none is worth it.  The solution lives in the arena."""
+def split(problem: PoissonProblem, arena: Arena, tolerance: float) -> NarrowSolution | None:
+    """Solves the narrow parts of the region; None if none is worth it.  The solution lives in the arena.
+
+    tolerance : in levels.
+    """
     if problem.floating or problem.screening > 0 or not _worth_looking(problem.region):
         return None  # screened unknowns hardly feel each other: cycles contract fast
     if problem.unknowns > LARGEST_REGION:
@@ -146,45 +152,50 @@ def split(problem: PoissonProblem, arena: Arena) -> DirectSolution | None:
         if not narrow.any():
             return None
         parts = Parts.of(parts.place[parts.unknowns_of(narrow)], (height, width), arena)
-    values, solved, error = _solve(_right_hand_side(problem, parts, arena), parts, arena)
+    b = _right_hand_side(problem, parts, arena)
+    values, solved, error, sweeps = _solve(b, parts, width, arena, PRECISION * tolerance * problem.level)
     place = parts.place
     if not solved.all():
         there = parts.unknowns_of(solved)
         place, values = place[there], values[there]
-    return DirectSolution(problem, place, values, error) if len(place) else None
+    return NarrowSolution(problem, place, values, error, sweeps) if len(place) else None
 
 
 def _solve(
-    b: NDArray[np.float64], parts: Parts, arena: Arena
-) -> tuple[NDArray[np.float64], NDArray[np.bool_], float]:
-    """x, the parts where it was cheap to find, and a bound of its error there."""
+    b: NDArray[np.float64], parts: Parts, row_length: int, arena: Arena, precision: float
+) -> tuple[NDArray[np.float64], NDArray[np.bool_], float, int]:
+    """x, the parts where it was cheap to find, a bound of its error there, and how many sweeps that took."""
     sizes = parts.sizes
     largest, width = int(sizes.max()), b.shape[1] + 1
-    large = max(FEWEST_LARGE, largest // LARGE_SHARE)
-    core = min(CORE, large)
+    black = largest // 2 + 1  # of the larger parts only one colour of a checkerboard has records
+    row = kernels.SUMS + width + kernels.ROOM
     scratch = (
-        arena.integers(largest * (kernels.LINKS + kernels.ROOM)),
-        arena.doubles(largest * (kernels.SUMS + width + kernels.ROOM)),
-        arena.integers(large * (kernels.LINKS + kernels.LARGE_ROOM)),
-        arena.doubles(large * (kernels.SUMS + width + kernels.LARGE_ROOM)),
-        *(arena.integers(largest) for _ in range(4)),
-        arena.doubles(core, core + width),
+        arena.integers(black * (kernels.LINKS + kernels.ROOM)),
+        arena.doubles(max(black * row, largest * (kernels.WINDOW + width))),
+        arena.doubles(black * width),
+        arena.doubles(black * (width + 1)),
+        arena.integers(black + 1),
+        arena.integers(black * kernels.ROOM),
+        arena.doubles(black * kernels.ROOM),
+        *(arena.integers(size) for size in (black, black, black, black, largest)),
         arena.doubles(kernels.WINDOW * (kernels.WINDOW + width)),
+        arena.integers(len(b)),
     )
-    x = arena.doubles(*b.shape)
-    solved, softness = np.zeros(len(sizes), np.bool_), arena.doubles(len(sizes))
+    x, z = arena.doubles(*b.shape), arena.doubles(len(b))
+    softness, sweeps = arena.doubles(len(sizes)), arena.integers(len(sizes))
     # Calls of about equally many unknowns.
     cuts = np.flatnonzero(np.diff(parts.starts[1:] // CALL)) + 1
     edges = [0, *cuts.tolist(), len(sizes)]
     for first, end in pairwise(edges):
-        where = parts.near, parts.order, parts.rank, parts.starts, first, end, EFFORT
-        kernels.solve_parts(x, softness, solved, *scratch, b, *where)
+        where = parts.near, parts.order, parts.rank, parts.starts, parts.place, row_length, first, end
+        kernels.solve_parts(x, z, softness, sweeps, *scratch, b, *where, precision)
     residuals = arena.longs(len(sizes))
     residuals[:] = 0
     for call in _calls(len(b)):
         kernels.find_residuals(residuals, x, b, parts.near, parts.part, *call)
     bounds = softness * residuals.view(np.float64)
-    return x, solved, float(bounds.max(where=solved, initial=0))
+    solved = sweeps >= 0
+    return x, solved, float(bounds.max(where=solved, initial=0)), int(sweeps.max(where=solved, initial=0))
 
 
 def _right_hand_side(problem: PoissonProblem, parts: Parts, arena: Arena) -> NDArray[np.float64]:

@@ -1,5 +1,7 @@
 """Gaussian elimination on parts of a region that are narrow; see `solvers.narrow` for what it makes of them."""
 
+import math
+
 import numpy as np
 
 from solvers.kernels.policy import inlined, jit, loops
@@ -7,25 +9,29 @@ from solvers.native.prefetch import prefetch
 
 KNOWN, BEYOND = -1, -2  # in place of a neighbour's number: the pixel is known, the image ends
 
-# An unknown's record among the integers: how it stands, its number in another list, how many neighbours, and which;
-STATE, NUMBER, DEGREE, LINKS = range(4)
+# An unknown's record among the integers: how it stands, how many neighbours, and which;
+STATE, DEGREE, LINKS = range(3)
 # and among the numbers: d, then b of each channel, then the weights of its neighbours, in the same order.
 DIAGONAL, SUMS = range(2)
 
 # How an unknown stands.
 WAITING, STACKED, ELIMINATED = range(3)
 
-# Neighbours that a record has room for: enough for strokes and specks, and a cache line with the rest;
-ROOM = 13
-# and enough for what strokes that cross leave.
-LARGE_ROOM = 60
-SPARE = 4  # the room that an unknown leaves when it has its turn, at least
-CORE_STEPS = 32  # a full matrix of n unknowns takes n^3 / CORE_STEPS times as long as a step of elimination
-FEWEST = 2  # neighbours: what a stroke has at its end
+ROOM = 14  # neighbours that a record has room for: a cache line with the rest
+# Unknowns with so many neighbours go first: a stroke has two or three at its end, most crossings of strokes five.
+FEWEST, MOST = 2, 6
 
 u = np.uint64  # what arrays are indexed with, see solvers.kernels
 
 WINDOW = 8  # equations at hand in `solve_in_window`
+
+# Over-relaxation of what elimination leaves: omega for the first sweeps, how many pass until it is chosen anew,
+FIRST_OMEGA, LOOK = 1.2, 3
+# and after how many it is given up.
+SWEEPS = 90
+# The solution of A z = 1 is used as a bound: this share of it may be missing.
+Z_PRECISION = 1e-3
+FLOOR = 1e-14  # share of x: rounding errors
 
 TILE = 32  # columns, see `survey`
 AHEAD = 24  # unknowns: how far before its turn its pixels are asked for
@@ -296,6 +302,15 @@ def add_channels(sums, to, a, factor, width):
 
 
 @inlined
+def add_rows(values, to, others, a, factor, width):
+    """values[to ...] += factor * others[a ...], `width` of them."""
+    if width == 4:
+        add_scaled(values, to, others, a, factor, 4)
+    else:
+        add_scaled(values, to, others, a, factor, width)
+
+
+@inlined
 def add_row(sums, to, others, a, factor, width):
     """sums[to ...] += factor * others[a ...], a row of the window.  In two pieces of whole vectors: LLVM would make one
     loop of them, with masks, and what is stored through a mask takes long to be read again.
@@ -397,17 +412,102 @@ def solve_in_window(sums, window, b, near, order, rank, start, n, reach, width):
             add_channels(sums, row + WINDOW, other * span + WINDOW, -weight, width)
 
 
+# --- larger parts: half of the unknowns first ---------------------------------------------------------------------
+#
+# Coloured like a checkerboard, the red unknowns of a part have none but black neighbours.  So all red ones are
+# eliminated at once, with no book-keeping: x_r = (b_r + sum of x_p) / d_r, over up to four black p, adds 1 / d_r to the
+# weight between any two of those.  The equation of a black unknown then names the eight black ones around it, straight
+# ahead through one red pixel, diagonally through two.
+
+
+@jit
+def colour(number, members, place, order, row_length, start, n):
+    """Numbers the black ones among a part's n unknowns; returns how many there are, which is no more than half of n.
+
+    number: int32, of each unknown its number among the black ones of its part.  members: (n,) int32, the black unknowns
+    of this part, then the red ones.  place: int64, row * row_length + column.
+    """
+    odd = np.int64(0)
+    for k in range(start, start + n):
+        i = order[u(k)]
+        row = place[u(i)] // row_length
+        number[u(i)] = (row + place[u(i)] - row * row_length) & 1
+        odd += number[u(i)]
+    black = np.int64(2 * odd <= n)
+    blacks = odd if black else n - odd
+    count, reds = np.int64(0), blacks
+    for k in range(start, start + n):
+        i = order[u(k)]
+        is_black = np.int64(number[u(i)] == black)
+        members[u(count if is_black else reds)] = i
+        number[u(i)] = count
+        count += is_black
+        reds += 1 - is_black
+    return blacks
+
+
+@inlined
+def share(near, i, alone):
+    """1 / d of unknown i, 0 if it is none: nothing goes to and fro through a known pixel.  `alone` is any unknown."""
+    inverse = 1.0 / neighbours(near, i if i >= 0 else alone)
+    return inverse if i >= 0 else 0.0
+
+
+@inlined
+def beyond(near, i, side, alone):
+    """The neighbour of unknown i on that side, KNOWN if i is none."""
+    other = np.int64(near[u(i if i >= 0 else alone), side])
+    return other if i >= 0 else np.int64(KNOWN)
+
+
+@jit
+def record(nodes, sums, b, near, number, members, count, width):
+    """Records of a part's black unknowns, its red ones being eliminated; see `colour`."""
+    stride, span, weights = LINKS + ROOM, SUMS + width + ROOM, SUMS + width
+    for v in range(count):
+        i = np.int64(members[u(v)])
+        links, own = v * stride + LINKS, v * span
+        north, west = np.int64(near[u(i), 0]), np.int64(near[u(i), 1])
+        east, south = np.int64(near[u(i), 2]), np.int64(near[u(i), 3])
+        by_north, by_west = share(near, north, i), share(near, west, i)
+        by_east, by_south = share(near, east, i), share(near, south, i)
+        degree = np.int64(0)
+        for other, weight in (
+            (beyond(near, north, 0, i), by_north),
+            (max(beyond(near, north, 1, i), beyond(near, west, 0, i)), by_north + by_west),
+            (max(beyond(near, north, 2, i), beyond(near, east, 0, i)), by_north + by_east),
+            (beyond(near, west, 1, i), by_west),
+            (beyond(near, east, 2, i), by_east),
+            (max(beyond(near, south, 1, i), beyond(near, west, 3, i)), by_south + by_west),
+            (max(beyond(near, south, 2, i), beyond(near, east, 3, i)), by_south + by_east),
+            (beyond(near, south, 3, i), by_south),
+        ):
+            # If it is none, the next one comes here.
+            nodes[u(links + degree)] = number[u(other if other >= 0 else i)]
+            sums[u(own + weights + degree)] = weight
+            degree += other >= 0
+        nodes[u(v * stride + DEGREE)] = degree
+        sums[u(own + DIAGONAL)] = neighbours(near, i) - ((by_north + by_south) + (by_west + by_east))
+        north, west = north if north >= 0 else i, west if west >= 0 else i
+        east, south = east if east >= 0 else i, south if south >= 0 else i
+        for c in range(width - 1):
+            along = by_north * b[u(north), u(c)] + by_south * b[u(south), u(c)]
+            across = by_west * b[u(west), u(c)] + by_east * b[u(east), u(c)]
+            sums[u(own + SUMS + c)] = b[u(i), u(c)] + (along + across)
+        sums[u(own + SUMS + width - 1)] = 1.0 + ((by_north + by_south) + (by_west + by_east))
+
+
 # --- elimination, unknowns with few neighbours first --------------------------------------------------------------
 
 
 @inlined
-def eliminate_one(nodes, sums, marks, stack, top, limit, v, d, width, room):
+def eliminate_one(nodes, sums, marks, stack, top, limit, v, d, width):
     """Takes unknown v out of the equations of its d neighbours.
 
     Those that have no more than `limit` neighbours left are put on the stack, which held `top`; returns how many it
     holds now.
     """
-    stride, span, weights = LINKS + room, SUMS + width + room, SUMS + width
+    stride, span, weights = LINKS + ROOM, SUMS + width + ROOM, SUMS + width
     links, own = v * stride + LINKS, v * span
     inverse = 1.0 / sums[u(own + DIAGONAL)]
     sums[u(own + DIAGONAL)] = inverse
@@ -446,20 +546,19 @@ def eliminate_one(nodes, sums, marks, stack, top, limit, v, d, width, room):
 
 
 @inlined
-def crowded(nodes, v, room):
-    """Whether a neighbour of v might have no room for the others."""
-    stride = LINKS + room
-    d = np.int64(nodes[u(v * stride + DEGREE)])
+def crowded(nodes, v, d):
+    """Whether a neighbour of v, which has d, might have no room for the others."""
+    stride = LINKS + ROOM
     for p in range(d):
         q = np.int64(nodes[u(v * stride + LINKS + p)])
-        if nodes[u(q * stride + DEGREE)] + d - 2 > room:
+        if nodes[u(q * stride + DEGREE)] + d - 2 > ROOM:
             return True
     return False
 
 
 @jit
-def eliminate(nodes, sums, marks, stack, left, sequence, n, width, room, effort):
-    """Eliminates unknowns, those with few neighbours first, as long as there is room; returns how many.
+def eliminate(nodes, sums, marks, stack, left, sequence, n, width):
+    """Eliminates unknowns with up to `MOST` neighbours, those with few first; returns how many.
 
     Eliminating x_p = (b_p + sum of w_pq x_q) / d_p leaves its neighbours coupled with each other, by w_pq w_pr / d_p
     more than before.  The record of p stays as it is then, for `substitute`, but with 1 / d_p for d_p.
@@ -467,16 +566,15 @@ def eliminate(nodes, sums, marks, stack, left, sequence, n, width, room, effort)
     First come all that have up to two neighbours, or have no more by then, next all with three, and so on.  Whoever
     loses a neighbour is looked at at once, so that a stroke is followed from its end.
 
-    nodes, sums: a record of each unknown, with `room` for neighbours and `width` channels.  marks, stack, left: (n,),
-    scratch.  sequence: the unknowns in the order of elimination.  effort: steps to take at most; returns -1 if it takes
-    more.
+    nodes, sums: a record of each unknown, with `width` channels.  marks, stack: (n,), scratch.  sequence: the unknowns
+    in the order of elimination.  left: (n,), becomes those that are left.
     """
-    stride = LINKS + room
+    stride = LINKS + ROOM
     for k in range(n):
         nodes[u(k * stride + STATE)] = WAITING
         left[u(k)], marks[u(k)] = k, 0
     done, remaining = np.int64(0), np.int64(n)
-    for limit in range(FEWEST, room - SPARE + 1):
+    for limit in range(FEWEST, MOST + 1):
         waiting, remaining = remaining, np.int64(0)
         for k in range(waiting):
             seed = np.int64(left[u(k)])
@@ -495,27 +593,30 @@ def eliminate(nodes, sums, marks, stack, left, sequence, n, width, room, effort)
                 at = v * stride
                 nodes[u(at + STATE)] = WAITING
                 d = np.int64(nodes[u(at + DEGREE)])
-                if d > limit or (d > 2 and crowded(nodes, v, room)):
+                if d > limit or (d > 2 and crowded(nodes, v, d)):
                     continue
-                effort -= (d + 1) * (d + 1)
-                if effort < 0:
-                    return -1
-                # Most have two or three, and a loop of known length is left without a wrong guess of the processor.
+                # Most have three or four, and a loop of known length is left without a wrong guess of the processor.
                 if d == 2:
-                    top = eliminate_one(nodes, sums, marks, stack, top, limit, v, 2, width, room)
+                    top = eliminate_one(nodes, sums, marks, stack, top, limit, v, 2, width)
                 elif d == 3:
-                    top = eliminate_one(nodes, sums, marks, stack, top, limit, v, 3, width, room)
+                    top = eliminate_one(nodes, sums, marks, stack, top, limit, v, 3, width)
+                elif d == 4:
+                    top = eliminate_one(nodes, sums, marks, stack, top, limit, v, 4, width)
                 else:
-                    top = eliminate_one(nodes, sums, marks, stack, top, limit, v, d, width, room)
+                    top = eliminate_one(nodes, sums, marks, stack, top, limit, v, d, width)
                 sequence[u(done)] = v
                 done += 1
+    waiting, remaining = remaining, np.int64(0)
+    for k in range(waiting):
+        left[u(remaining)] = left[u(k)]
+        remaining += nodes[u(left[u(k)] * stride + STATE)] == WAITING
     return done
 
 
 @jit
-def substitute(nodes, sums, sequence, done, width, room):
+def substitute(nodes, sums, sequence, done, width):
     """x in place of b for the unknowns that `eliminate` eliminated; those of all others stand there already."""
-    stride, span, weights = LINKS + room, SUMS + width + room, SUMS + width
+    stride, span, weights = LINKS + ROOM, SUMS + width + ROOM, SUMS + width
     for k in range(done - 1, -1, -1):
         v = np.int64(sequence[k])
         links, own = v * stride + LINKS, v * span
@@ -527,189 +628,203 @@ def substitute(nodes, sums, sequence, done, width, room):
             sums[u(own + c)] *= inverse
 
 
-@jit
-def condense(large_nodes, large_sums, nodes, sums, n, width, room, large_room):
-    """Those unknowns that `eliminate` left, in records with more room.  The old ones know their new number."""
-    stride, span, weights = LINKS + room, SUMS + width + room, SUMS + width
-    large_stride, large_span = LINKS + large_room, SUMS + width + large_room
-    count = 0
-    for v in range(n):
-        if nodes[v * stride + STATE] != ELIMINATED:
-            nodes[v * stride + NUMBER] = count
-            count += 1
-    for v in range(n):
-        if nodes[v * stride + STATE] == ELIMINATED:
-            continue
-        number = np.int64(nodes[v * stride + NUMBER])
-        degree = nodes[v * stride + DEGREE]
-        large_nodes[number * large_stride + DEGREE] = degree
-        for p in range(degree):
-            q = np.int64(nodes[v * stride + LINKS + p])
-            large_nodes[number * large_stride + LINKS + p] = nodes[q * stride + NUMBER]
-        for k in range(weights + degree):
-            large_sums[number * large_span + k] = sums[v * span + k]
-
-
-@jit
-def expand(sums, nodes, large_sums, n, width, room, large_room):
-    """The values of the unknowns that `condense` took along, back to where they came from."""
-    for v in range(n):
-        if nodes[v * (LINKS + room) + STATE] != ELIMINATED:
-            there = np.int64(nodes[v * (LINKS + room) + NUMBER]) * (SUMS + width + large_room)
-            own = v * (SUMS + width + room)
-            for c in range(SUMS, SUMS + width):
-                sums[own + c] = large_sums[there + c]
-
-
-@jit
-def solve_core(core, nodes, sums, n, size, width, room):
-    """x in place of b for the `size` unknowns that `eliminate` left, by a full matrix; `core` has room for it."""
-    stride, span, weights = LINKS + room, SUMS + width + room, SUMS + width
-    count = 0
-    for v in range(n):
-        if nodes[v * stride + STATE] != ELIMINATED:
-            nodes[v * stride + NUMBER] = count
-            count += 1
-    for v in range(n):
-        if nodes[v * stride + STATE] == ELIMINATED:
-            continue
-        own = np.int64(nodes[v * stride + NUMBER])
-        for j in range(size):
-            core[own, j] = 0.0
-        core[own, own] = sums[v * span + DIAGONAL]
-        for p in range(nodes[v * stride + DEGREE]):
-            q = np.int64(nodes[v * stride + LINKS + p])
-            core[own, np.int64(nodes[q * stride + NUMBER])] = -sums[v * span + weights + p]
-        for c in range(width):
-            core[own, size + c] = sums[v * span + SUMS + c]
-    for j in range(size):
-        pivot = core[j, j + 1 : size + width]
-        for i in range(j + 1, size):
-            factor = core[i, j] / core[j, j]
-            if factor != 0.0:
-                row = core[i, j + 1 : size + width]
-                for k in range(row.shape[0]):
-                    row[k] -= factor * pivot[k]
-    for back in range(1, size + 1):
-        i = size - back
-        for c in range(size, size + width):
-            for j in range(i + 1, size):
-                core[i, c] -= core[i, j] * core[j, c]
-            core[i, c] /= core[i, i]
-    for v in range(n):
-        if nodes[v * stride + STATE] != ELIMINATED:
-            for c in range(width):
-                sums[v * span + SUMS + c] = core[np.int64(nodes[v * stride + NUMBER]), size + c]
-
-
-@jit
-def solve_records(
-    nodes, sums, large_nodes, large_sums, marks, stack, waiting, sequence, core, n, width, effort
-):
-    """x in place of b in the records of one part; whether that took no more than `effort` steps, and no more scratch.
-
-    nodes, sums: records with `ROOM`.  large_nodes, large_sums: scratch, records with `LARGE_ROOM`.
-    """
-    done = eliminate(nodes, sums, marks, stack, waiting, sequence, n, width, ROOM, effort)
-    left = n - done
-    if done < 0 or left * (LINKS + LARGE_ROOM) > large_nodes.shape[0]:
-        return False
-    if left > 0:
-        condense(large_nodes, large_sums, nodes, sums, n, width, ROOM, LARGE_ROOM)
-        order = sequence[done:]
-        more = eliminate(
-            large_nodes, large_sums, marks, stack, waiting, order, left, width, LARGE_ROOM, effort
-        )
-        size = left - more
-        if more < 0 or size > core.shape[0] or size * size * size > CORE_STEPS * effort:
-            return False
-        if size > 0:
-            solve_core(core, large_nodes, large_sums, left, size, width, LARGE_ROOM)
-        substitute(large_nodes, large_sums, order, more, width, LARGE_ROOM)
-        expand(sums, nodes, large_sums, n, width, ROOM, LARGE_ROOM)
-    substitute(nodes, sums, sequence, done, width, ROOM)
-    return True
-
-
-@jit
-def record(nodes, sums, b, near, order, rank, start, n, width):
-    """Records of a part's n unknowns, which begin at `start` in `order`."""
-    stride, span, weights = LINKS + ROOM, SUMS + width + ROOM, SUMS + width
-    for v in range(n):
-        i = np.int64(order[u(start + v)])
-        links, own = v * stride + LINKS, v * span
-        degree = np.int64(0)
-        for side in range(4):
-            other = np.int64(near[u(i), side])
-            if other >= 0:
-                nodes[u(links + degree)], sums[u(own + weights + degree)] = rank[u(other)] - start, 1.0
-                degree += 1
-        nodes[u(v * stride + DEGREE)] = degree
-        sums[u(own + DIAGONAL)] = neighbours(near, i)
-        for c in range(width - 1):
-            sums[u(own + SUMS + c)] = b[u(i), u(c)]
-        sums[u(own + SUMS + width - 1)] = 1.0
+# --- over-relaxation of what is left ------------------------------------------------------------------------------
 
 
 @inlined
-def take(x, sums, span, channel, order, start, n):
-    """x of a part's n unknowns, that of unknown k from k * span + channel; returns the largest of what is behind it."""
-    channels = x.shape[1]
-    largest = 0.0
+def relax_one(values, terms, edges, links, weights, k, width, omega):
+    """Gauss-Seidel on equation k, over-relaxed by omega; returns the largest |b - A x| before, of all channels but the
+    last, and that of the last; see `relax`.
+    """
+    x, b, first, end = k * width, k * (width + 1), u(edges[u(k)]), u(edges[u(k + 1)])
+    d = terms[u(b + width)]
+    factor = omega / d
+    if width == 4:  # three channels, and z: weights are read once
+        r0, r1 = terms[u(b)] - d * values[u(x)], terms[u(b + 1)] - d * values[u(x + 1)]
+        r2, r3 = terms[u(b + 2)] - d * values[u(x + 2)], terms[u(b + 3)] - d * values[u(x + 3)]
+        for p in range(first, end):
+            weight, there = weights[p], u(links[p])
+            r0, r1 = r0 + weight * values[there], r1 + weight * values[there + u(1)]
+            r2, r3 = r2 + weight * values[there + u(2)], r3 + weight * values[there + u(3)]
+        values[u(x)] += factor * r0
+        values[u(x + 1)] += factor * r1
+        values[u(x + 2)] += factor * r2
+        values[u(x + 3)] += factor * r3
+        return max(abs(r0), max(abs(r1), abs(r2))), abs(r3)
+    largest = last = 0.0
+    for c in range(width):
+        r = terms[u(b + c)] - d * values[u(x + c)]
+        for p in range(first, end):
+            r += weights[p] * values[u(links[p] + c)]
+        values[u(x + c)] += factor * r
+        largest, last = max(largest, last), abs(r)
+    return largest, last
+
+
+@inlined
+def gather(values, terms, edges, links, weights, nodes, sums, marks, left, n, width):
+    """The equations of the n unknowns that are left, one behind the other; see `relax`."""
+    stride, span = LINKS + ROOM, SUMS + width + ROOM
     for k in range(n):
-        i, own = np.int64(order[u(start + k)]), k * span + channel
+        marks[u(left[u(k)])] = k * width
+    end = np.int64(0)
+    for k in range(n):
+        v = np.int64(left[u(k)])
+        own = v * span
+        for c in range(width):
+            values[u(k * width + c)] = 0.0
+            terms[u(k * (width + 1) + c)] = sums[u(own + SUMS + c)]
+        terms[u(k * (width + 1) + width)] = sums[u(own + DIAGONAL)]
+        edges[u(k)] = end
+        for p in range(nodes[u(v * stride + DEGREE)]):
+            links[u(end)] = marks[u(nodes[u(v * stride + LINKS + p)])]
+            weights[u(end)] = sums[u(own + SUMS + width + p)]
+            end += 1
+    edges[u(n)] = end
+
+
+@jit
+def relax(values, terms, edges, links, weights, nodes, sums, marks, left, n, width, precision):
+    """x in place of b for the n unknowns that `eliminate` left, by sweeps of over-relaxation; returns how many.
+
+    All is known of the convergence that there is to know while it goes on, since A z = 1 is solved beside A x = b, as
+    the last channel, whose right-hand side is s after elimination.  For a matrix like this (Collatz 1942), Jacobi's
+    iteration contracts by rho <= 1 - min s_i / (d_i z_i), which gives the best omega (Young 1954); and if all residuals
+    |r_i| <= t s_i, then the error is at most t z.
+
+    values, terms, edges, links, weights: scratch; of each equation x, b and d, where its neighbours begin, and of each
+    neighbour where its x lies, and w.  precision: of x, absolute.  Returns -1 if `SWEEPS` were too few.
+    """
+    gather(values, terms, edges, links, weights, nodes, sums, marks, left, n, width)
+    omega = FIRST_OMEGA
+    for sweep in range(1, SWEEPS + 1):
+        if sweep % LOOK != 0:
+            for k in range(n):
+                relax_one(values, terms, edges, links, weights, k, width, omega)
+            continue
+        worst, missing, softest, largest, hardest = 0.0, 0.0, 0.0, 0.0, 1.0
+        for k in range(n):
+            at, term = k * width, k * (width + 1) + width
+            z, s, d = values[u(at + width - 1)], terms[u(term - 1)], terms[u(term)]
+            softest, hardest = max(softest, z), min(hardest, s / (d * z))
+            r, r_of_z = relax_one(values, terms, edges, links, weights, k, width, omega)
+            worst, missing = max(worst, r / s), max(missing, r_of_z / s)
+            for c in range(width - 1):
+                largest = max(largest, abs(values[u(at + c)]))
+        if worst * softest <= max(precision, FLOOR * largest) and missing <= Z_PRECISION:
+            span = SUMS + width + ROOM
+            for k in range(n):
+                for c in range(width):
+                    sums[u(left[u(k)] * span + SUMS + c)] = values[u(k * width + c)]
+            return sweep
+        rho = max(1.0 - hardest, 0.0)
+        omega = 2.0 / (1.0 + math.sqrt(1.0 - rho * rho))
+    return -1
+
+
+# --- solution -----------------------------------------------------------------------------------------------------
+
+
+@inlined
+def known_of(values, i, span, c):
+    """values[i, c] of (n, span) values, 0 if i is none."""
+    value = values[u(max(i, 0) * span + c)]
+    return value if i >= 0 else 0.0
+
+
+@inlined
+def sum_around(values, near, i, span, c):
+    """The sum of values[p, c] over the neighbours p of unknown i."""
+    north, west, east, south = near[u(i), 0], near[u(i), 1], near[u(i), 2], near[u(i), 3]
+    along = known_of(values, north, span, c) + known_of(values, south, span, c)
+    return along + (known_of(values, west, span, c) + known_of(values, east, span, c))
+
+
+@jit
+def unfold(x, z, sums, b, near, members, count, n, width):
+    """x and z of a part's n unknowns: the black ones' from their records, the red ones' from their neighbours'.
+
+    Returns the largest z.
+    """
+    span, largest = SUMS + width + ROOM, 0.0
+    for v in range(count):
+        largest = max(largest, take(x, z, sums, v * span + SUMS, members[u(v)]))
+    flat, channels = x.reshape(-1), width - 1
+    for k in range(count, n):
+        i = np.int64(members[u(k)])
+        inverse = 1.0 / neighbours(near, i)
         for c in range(channels):
-            x[u(i), u(c)] = sums[u(own + c)]
-        largest = max(largest, sums[u(own + channels)])
+            x[u(i), u(c)] = inverse * (b[u(i), u(c)] + sum_around(flat, near, i, channels, c))
+        z[u(i)] = inverse * (1.0 + sum_around(z, near, i, 1, 0))
+        largest = max(largest, z[u(i)])
     return largest
+
+
+@inlined
+def take(x, z, sums, own, i):
+    """x and z of unknown i from what lies from `own` on; returns z."""
+    channels = x.shape[1]
+    for c in range(channels):
+        x[u(i), u(c)] = sums[u(own + c)]
+    z[u(i)] = sums[u(own + channels)]
+    return z[u(i)]
 
 
 @jit
 def solve_parts(
-    x, softness, solved, nodes, sums, large_nodes, large_sums, marks, stack, waiting, sequence, core, window,
-    b, near, order, rank, starts, first, end, effort,
+    x, z, softness, sweeps, nodes, sums, values, terms, edges, links, weights, marks, stack, left, sequence, members,
+    window, number, b, near, order, rank, starts, place, row_length, first, end, precision,
 ):  # fmt: skip
-    """Solves A x = b on the parts first ... end of the region.
+    """Solves A x = b, and A z = 1, on the parts first ... end of the region.
 
-    x, b: (n, channels) float64.  softness: per part, max A^-1 1.  solved: per part, whether it was: it is not if that
-    takes more than `effort` steps per unknown, or more scratch.  The arrays in between are scratch for the largest
-    part; see `solve_records`, and `solve_in_window`.  near, order, rank, starts: of `link` and `sort_parts`.
+    x, b: (n, channels) float64.  z: (n,) float64.  softness: per part, a bound of z.  sweeps: per part, how many it
+    took; -1 if it is not solved, since more would have been needed.  The arrays in between are scratch for the largest
+    part, `number` for all unknowns; see `eliminate`, `relax`, `colour` and `solve_in_window`.  near, order, rank,
+    starts: of `link` and `sort_parts`.  place: (n,) int64, row * row_length + column.  precision: of x, absolute.
     """
     channels = b.shape[1]
     width = channels + 1  # the last one is for A z = 1
     for part in range(first, end):
         start = np.int64(starts[u(part)])
         n = np.int64(starts[u(part + 1)]) - start
-        solved[u(part)] = True
+        sweeps[u(part)] = 0
         if n == 1:
             i = np.int64(order[u(start)])
             inside = neighbours(near, i)
-            softness[u(part)] = 1.0 / inside
+            softness[u(part)] = z[u(i)] = 1.0 / inside
             for c in range(channels):
                 x[u(i), u(c)] = b[u(i), u(c)] / inside
             continue
         reach = reach_of(near, order, rank, start, n)
+        largest = 0.0
         if reach < WINDOW:
-            span, channel = WINDOW + width, np.int64(WINDOW)
             solve_in_window(sums, window, b, near, order, rank, start, n, reach, width)
+            for k in range(n):
+                at = k * (WINDOW + width) + WINDOW
+                largest = max(largest, take(x, z, sums, at, order[u(start + k)]))
         else:
-            span, channel = SUMS + width + ROOM, np.int64(SUMS)
-            record(nodes, sums, b, near, order, rank, start, n, width)
-            solved[u(part)] = solve_records(
-                nodes,
-                sums,
-                large_nodes,
-                large_sums,
-                marks,
-                stack,
-                waiting,
-                sequence,
-                core,
-                n,
-                width,
-                effort * n,
-            )
-        softness[u(part)] = take(x, sums, span, channel, order, start, n)
+            count = colour(number, members, place, order, row_length, start, n)
+            record(nodes, sums, b, near, number, members, count, width)
+            done = eliminate(nodes, sums, marks, stack, left, sequence, count, width)
+            if done < count:
+                sweeps[u(part)] = relax(
+                    values,
+                    terms,
+                    edges,
+                    links,
+                    weights,
+                    nodes,
+                    sums,
+                    marks,
+                    left,
+                    count - done,
+                    width,
+                    precision,
+                )
+            if sweeps[u(part)] >= 0:
+                substitute(nodes, sums, sequence, done, width)
+                largest = unfold(x, z, sums, b, near, members, count, n, width) * (1.0 + 2.0 * Z_PRECISION)
+        softness[u(part)] = largest
 
 
 @jit

@@ -42,8 +42,8 @@ ENTRY_POINTS = {
 # What only some callers need: float64 throughout, regions with narrow parts, screening.
 FURTHER = {
     "solve_parts": [
-        "f8[:,:], f8[:], b1[:], i4[:], f8[:], i4[:], f8[:], i4[:], i4[:], i4[:], i4[:], f8[:,:], f8[:], f8[:,:],"
-        " i4[:,:], i4[:], i4[:], i4[:], i8, i8, i8"
+        "f8[:,:], f8[:], f8[:], i4[:], i4[:], f8[:], f8[:], f8[:], i4[:], i4[:], f8[:], i4[:], i4[:], i4[:], i4[:],"
+        " i4[:], f8[:], i4[:], f8[:,:], i4[:,:], i4[:], i4[:], i4[:], i8[:], i8, i8, i8, f8"
     ],
     "assemble": [_ASSEMBLE.format(v="f8")],
     "sum_pairs": [
