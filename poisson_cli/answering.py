@@ -12,7 +12,7 @@ from collections.abc import Callable
 from queue import SimpleQueue
 from typing import Any, TypeVar
 
-__all__ = ["do"]
+__all__ = ["be_patient", "do"]
 
 _T = TypeVar("_T")
 
@@ -56,6 +56,18 @@ _idle: list[_Hand] = []
 """Those that have nothing to do."""
 
 
+_patient = False
+
+
+def be_patient() -> None:
+    """Do all work on the thread that asks for it, in a process that need not answer at once.
+
+    Handing work over takes a while when all processors are busy.
+    """
+    global _patient
+    _patient = True
+
+
 def do(work: Callable[[], _T]) -> _T:
     """Do some work on another thread and wait for it.
 
@@ -70,8 +82,8 @@ def do(work: Callable[[], _T]) -> _T:
     object
         What the work returns; what it raises is raised here.
     """
-    if threading.current_thread() is not threading.main_thread():
-        return work()  # signals are not heard on this thread anyway
+    if _patient or threading.current_thread() is not threading.main_thread():
+        return work()  # nobody waits for an answer, or signals are not heard on this thread anyway
     hand = _idle.pop() if _idle else _Hand()
     outcome = hand.give(work)
     while not outcome.done.wait(_NAP):

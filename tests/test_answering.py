@@ -41,6 +41,12 @@ def test_interrupted_work_is_abandoned_and_does_not_hold_up_what_follows():
         signal.signal(signal.SIGINT, usual)
 
 
+def test_where_nobody_waits_for_an_answer_nothing_is_handed_over(monkeypatch):
+    monkeypatch.setattr(answering, "_patient", False)  # to be what it was when the test is over
+    answering.be_patient()
+    assert answering.do(threading.current_thread) is threading.main_thread()
+
+
 def test_work_within_work_is_done_at_once():
     outer, inner = answering.do(lambda: (threading.current_thread(), answering.do(threading.current_thread)))
     assert outer is inner

@@ -12,6 +12,7 @@ import pytest
 
 from poisson_cli import batch
 from poisson_cli.batch.mistakes import Mistakes
+from poisson_cli.images import writing
 from tests.batch_jobs import (
     POISSON,
     by_single_commands,
@@ -39,6 +40,23 @@ def manifest(folder):
 @pytest.fixture
 def expected(manifest):
     return by_single_commands(jobs(NUMBER))
+
+
+@pytest.mark.parametrize("stop_after", [3, NUMBER])
+def test_names_are_forced_to_the_disk_when_all_is_done(manifest, folder, monkeypatch, stop_after):
+    """By the batch: its workers leave that to it."""
+    settled = []
+
+    def settle(path: Path) -> None:
+        settled.append((path, len(outputs(folder))))
+
+    monkeypatch.setattr(writing, "settle", settle)
+    results = batch.run(jobs(NUMBER), folder=folder, workers=2)
+    for _ in zip(range(stop_after), results, strict=False):
+        assert settled == []
+    results.close()
+    assert [path for path, _ in settled] == [(folder / jobs(1)[0]["output"]).parent]
+    assert settled[0][1] >= stop_after
 
 
 @pytest.mark.parametrize("workers", [1, 3])

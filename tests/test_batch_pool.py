@@ -208,6 +208,50 @@ def test_what_is_done_in_the_last_moment_is_done_and_harms_no_other(tmp_path):
     assert [(result.job, result.status) for result in results] == [(job, "done") for job in range(1, 7)]
 
 
+def test_the_next_small_job_is_there_before_it_is_asked_for(tmp_path):
+    """While nobody listens a worker does what it has: the second job, and the third one that waits in its pipe."""
+    begun = []
+    results = pool.run(
+        tasks(tmp_path, 6),
+        workers=1,
+        limit=1 << 40,
+        perform=note,
+        begins=lambda task: begun.append(task.number),
+    )
+    assert next(results).job == 1
+    assert begun == [1, 2]
+    wait_until((tmp_path / "3.png").exists, "the third job is not done")
+    time.sleep(0.2)
+    assert not (tmp_path / "4.png").exists()
+    assert [result.job for result in results] == [2, 3, 4, 5, 6]
+    assert begun == [1, 2, 3, 4, 5, 6]
+
+
+def test_no_job_waits_behind_a_large_one(tmp_path, monkeypatch):
+    monkeypatch.setattr(pool, "_SMALL", memory.WORKER - 1)
+    results = pool.run(tasks(tmp_path, 6), workers=1, limit=1 << 40, perform=note)
+    assert next(results).job == 1
+    wait_until((tmp_path / "2.png").exists, "the second job is not done")
+    time.sleep(0.2)
+    assert not (tmp_path / "3.png").exists()
+    assert [result.job for result in results] == [2, 3, 4, 5, 6]
+
+
+def test_a_job_that_waits_behind_a_deadly_one_is_none_the_worse(tmp_path):
+    """With one worker each job but the first has waited in the pipe of the one before."""
+    begun = []
+    results = {
+        result.job: result
+        for result in run(
+            functools.partial(die, on=3), tmp_path, workers=1, begins=lambda task: begun.append(task.number)
+        )
+    }
+    assert {job: (result.status, result.attempts) for job, result in results.items()} == {
+        job: ("failed", 2) if job == 3 else ("done", 1) for job in range(1, 7)
+    }
+    assert begun == [1, 2, 3, 4, 5, 6, 3]
+
+
 def test_workers_that_cannot_begin_are_an_error_and_no_endless_loop(tmp_path):
     with pytest.raises(PoissonError, match="3 worker processes in a row .* before they could begin"):
         run(CannotBeLoaded(), tmp_path)

@@ -543,6 +543,27 @@ def test_there_is_nothing_to_be_seen_before_all_is_on_the_disk(tmp_path, monkeyp
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {"a": b"new"}
 
 
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_the_name_is_forced_to_the_disk_as_well_now_or_later(tmp_path, monkeypatch, temporary, overwrite):
+    forced = []
+    sync = os.fsync
+
+    def look_and_sync(descriptor: int) -> None:
+        if stat.S_ISDIR(os.fstat(descriptor).st_mode):
+            forced.append(sorted(path.name for path in tmp_path.iterdir()))
+        sync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", look_and_sync)
+    monkeypatch.setattr(writing, "_later", False)  # to be what it was when the test is over
+    writing.save(b"new", tmp_path / "a", overwrite=overwrite)
+    assert forced == [["a"]]
+    writing.settle_later()
+    writing.save(b"new", tmp_path / "b", overwrite=overwrite)
+    assert forced == [["a"]]
+    writing.settle(tmp_path)
+    assert forced == [["a"], ["a", "b"]]
+
+
 @pytest.mark.usefixtures("temporary")
 @pytest.mark.parametrize("umask", [0o022, 0o077, 0o002])
 def test_a_new_file_has_the_mode_that_the_umask_leaves(tmp_path, umask):

@@ -176,6 +176,8 @@ def _outputs(folder: Path) -> dict[str, bytes]:
 
 
 def _empty(folder: Path) -> None:
+    """Remove what the last run has written, so that the next one does not pay for it: the disk forgets it now."""
     folder.mkdir(exist_ok=True)
     for path in folder.iterdir():
         path.unlink()
+    os.sync()

@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 from poisson_cli.batch.mistakes import Mistake
 from poisson_cli.batch.task import Task, outputs_of
 from poisson_cli.errors import OutputError
 from poisson_cli.images.target import format_for
 
-__all__ = ["make_folders", "unwritable"]
+__all__ = ["make_folders", "settle", "unwritable"]
 
 
 def unwritable(tasks: Sequence[Task], *, make_folders: bool) -> Iterator[Mistake]:
@@ -67,8 +68,21 @@ def make_folders(tasks: Sequence[Task]) -> None:
     OutputError
         If one cannot be made.
     """
-    for folder in {os.path.dirname(path) for task in tasks for path in task.outputs} - {""}:
+    for folder in _folders(tasks) - {""}:
         try:
             os.makedirs(folder, exist_ok=True)
         except OSError as error:
             raise OutputError(f"{folder}: cannot be made ({error.strerror or error})") from error
+
+
+def settle(tasks: Sequence[Task]) -> None:
+    """Force the names of all outputs to the disk; a folder that is not there has none."""
+    from poisson_cli.images import writing
+
+    for folder in _folders(tasks):
+        writing.settle(Path(folder or "."))
+
+
+def _folders(tasks: Sequence[Task]) -> set[str]:
+    """Where outputs go to; empty for the current folder."""
+    return {os.path.dirname(path) for task in tasks for path in task.outputs}

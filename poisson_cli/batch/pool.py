@@ -1,9 +1,12 @@
-"""Workers on this machine: processes started by spawn, each given one job at a time.
+"""Workers on this machine: processes started by spawn, each with one job at a time.
 
 Why not `concurrent.futures`: when one process of its pool dies, all jobs that wait or run fail with it, and nothing
-tells which of them was to blame. Here each worker has a pipe of its own and never more than one job, so that a death
-has one suspect: that job is tried once more, last, when whatever may have crowded it out of memory is done; if it
-takes a second worker along it fails. All others go on. And a job that takes too long can be ended, with its worker.
+tells which of them was to blame. Here each worker has a pipe of its own and does one job after the other, so that a
+death has one suspect: that job is tried once more, last, when whatever may have crowded it out of memory is done; if
+it takes a second worker along it fails. All others go on. And a job that takes too long can be ended, with its worker.
+
+A worker that is at a small job has the next small one in its pipe already, and need not wait until somebody has heard
+that it is done. The next one has not begun, as far as anybody is concerned, before the result of the first is there.
 """
 
 from __future__ import annotations
@@ -35,6 +38,9 @@ ATTEMPTS: Final = 2
 
 _STILLBORN: Final = 3
 """Workers that may die before they have begun anything, one after the other, until something must be wrong."""
+
+_SMALL: Final = memory.WORKER + (32 << 20)
+"""Bytes, by the estimate, up to which a job takes so little time that another one may be made to wait for it."""
 
 _PATIENCE: Final = 5.0
 """Seconds for workers to tidy up and end, before they are killed."""
@@ -134,10 +140,10 @@ class _Attempt:
         self.bytes = 0
         self.is_first = False  # whether no output was there when it began
 
-    def again(self) -> _Attempt:
-        """The next attempt; what the last one has written, and nobody else has, it may replace."""
+    def again(self, *, times: int) -> _Attempt:
+        """One more attempt; what the last one has written, and nobody else has, it may replace."""
         other = _Attempt(self.task.replacing() if self.is_first else self.task)
-        other.times, other.is_first = self.times + 1, self.is_first
+        other.times, other.is_first = times, self.is_first
         return other
 
 
@@ -153,9 +159,14 @@ class _Worker:
         self.process.start()
         theirs.close()  # or this side would never hear that the other is gone
         self.is_ready = False
-        self.attempt: _Attempt | None = None
+        self.attempts: deque[_Attempt] = deque()  # at the first one it is, a second one waits in its pipe
         self.deadline = math.inf
         self.is_stopped = False  # because its job took too long
+
+    @property
+    def bytes(self) -> int:
+        """What its jobs may need; they do not run side by side."""
+        return max((attempt.bytes for attempt in self.attempts), default=0)
 
 
 def _begin(workers: list[_Worker], context: SpawnContext, perform: Perform | None, quiet: bool) -> _Worker:
@@ -199,7 +210,7 @@ class _Pool:
             refused = list(self._hand_out())
             yield from results
             yield from refused
-            if not any(worker.attempt for worker in self._workers):
+            if not any(worker.attempts for worker in self._workers):
                 return
             self._look_ahead()
             by_pipe = {worker.pipe: worker for worker in self._workers}
@@ -214,7 +225,7 @@ class _Pool:
         """End all workers: those that wait for a job at once, the others as soon as they have tidied up."""
         for worker in self._workers:
             worker.pipe.close()
-            if worker.attempt is not None:
+            if worker.attempts:
                 worker.process.terminate()
         deadline = time.monotonic() + _PATIENCE
         for worker in self._workers:
@@ -222,8 +233,7 @@ class _Pool:
             if worker.process.is_alive():
                 worker.process.kill()
                 worker.process.join(_PATIENCE)  # a process that waits for a dead disk cannot be killed
-            if worker.attempt is not None:
-                _sweep(worker)
+            _sweep(worker)
         self._workers.clear()
 
     def _look_ahead(self) -> None:
@@ -245,31 +255,41 @@ class _Pool:
                     self._waiting.clear()
                 yield _too_large(attempt, self._limit)
                 continue
-            running = [worker.attempt for worker in self._workers if worker.attempt is not None]
-            if attempt.bytes + sum(one.bytes for one in running) > self._limit:
-                return
-            worker = self._idle_worker()
+            worker = self._worker_for(attempt)
             if worker is None:
                 return
             self._waiting.popleft()
-            worker.attempt = attempt
-            if worker.is_ready:
-                worker.deadline = time.monotonic() + self._timeout
+            worker.attempts.append(attempt)
             if attempt.times == 1:
                 attempt.is_first = not attempt.task.is_begun()
             # A worker that died while it had nothing to do is noticed when it is listened to.
             with contextlib.suppress(OSError):
                 worker.pipe.send((attempt.task, attempt.times))
-            self._begins(attempt.task)
+            if len(worker.attempts) == 1:
+                self._begin_first(worker)
 
-    def _idle_worker(self) -> _Worker | None:
-        """One that has nothing to do, a new one if there may be more, or None."""
-        for worker in self._workers:
-            if worker.attempt is None:
-                return worker
-        if len(self._workers) >= self._most:
+    def _worker_for(self, attempt: _Attempt) -> _Worker | None:
+        """One that has nothing to do, a new one if there may be more, one that will soon be done, or None."""
+        used = sum(worker.bytes for worker in self._workers)
+        if used + attempt.bytes <= self._limit:
+            for worker in self._workers:
+                if not worker.attempts:
+                    return worker
+            if len(self._workers) < self._most:
+                return _begin(self._workers, self._context, self._perform, self._quiet)
+        if not self._keep_going or attempt.bytes > _SMALL or attempt.times > 1:
             return None
-        return _begin(self._workers, self._context, self._perform, self._quiet)
+        for worker in self._workers:
+            soon = len(worker.attempts) == 1 and worker.bytes <= _SMALL and not worker.is_stopped
+            if soon and used + max(0, attempt.bytes - worker.bytes) <= self._limit:
+                return worker
+        return None
+
+    def _begin_first(self, worker: _Worker) -> None:
+        """Say that a worker begins the first of its jobs, and from when on its time counts."""
+        if worker.is_ready:
+            worker.deadline = time.monotonic() + self._timeout
+        self._begins(worker.attempts[0].task)
 
     def _hear(self, worker: _Worker) -> Iterator[Result]:
         """Take in what a worker says, or that it says no more."""
@@ -280,13 +300,17 @@ class _Pool:
             return
         if message == READY:
             worker.is_ready = True
-            worker.deadline = time.monotonic() + self._timeout  # what it took to get ready does not count
+            if worker.attempts:
+                worker.deadline = time.monotonic() + self._timeout  # what it took to get ready does not count
             self._stillborn = 0
         else:
             assert isinstance(message, Result)
-            worker.attempt, worker.deadline = None, math.inf
-            if worker.is_stopped:  # just when its job was done: it is to get no other one
-                yield from self._bury(worker)
+            worker.attempts.popleft()
+            worker.deadline = math.inf
+            if worker.is_stopped:  # just when its job was done: it is to do no other one
+                yield from self._bury(worker, suspect=False)
+            elif worker.attempts:
+                self._begin_first(worker)
             yield message
 
     def _time_left(self) -> float | None:
@@ -306,16 +330,19 @@ class _Pool:
                 worker.process.kill()
                 yield from self._bury(worker)
 
-    def _bury(self, worker: _Worker) -> Iterator[Result]:
-        """See to the job of a worker that is dead."""
+    def _bury(self, worker: _Worker, *, suspect: bool = True) -> Iterator[Result]:
+        """See to the jobs of a worker that is dead; the first of them may be why."""
         self._workers.remove(worker)
         worker.pipe.close()
         worker.process.join(_PATIENCE)
         code = worker.process.exitcode
-        attempt = worker.attempt
+        _sweep(worker)
+        attempt = worker.attempts.popleft() if suspect and worker.attempts else None
+        while worker.attempts:  # for somebody else to do; should one have begun after all, it begins anew
+            other = worker.attempts.pop()
+            self._waiting.appendleft(other.again(times=other.times))
         if attempt is None:
             return
-        _sweep(worker)
         if worker.is_stopped:
             yield _too_long(attempt, self._timeout)
         elif not worker.is_ready:
@@ -327,7 +354,7 @@ class _Pool:
                 )
             self._waiting.appendleft(attempt)
         elif attempt.times < ATTEMPTS:
-            self._waiting.append(attempt.again())
+            self._waiting.append(attempt.again(times=attempt.times + 1))
         else:
             yield _deadly(attempt, code)
 
@@ -379,8 +406,8 @@ def _end(code: int | None) -> str:
 
 def _sweep(worker: _Worker) -> None:
     """Remove what a dead worker was writing; the names tell whose it was (see `poisson_cli.images.writing`)."""
-    assert worker.attempt is not None
-    for folder in {path.resolve().parent for path in worker.attempt.task.outputs}:
+    outputs = [path for attempt in worker.attempts for path in attempt.task.outputs]
+    for folder in {path.resolve().parent for path in outputs}:
         with contextlib.suppress(OSError):
             for rest in folder.glob(f".poisson-{worker.process.pid}-*"):
                 rest.unlink(missing_ok=True)

@@ -94,13 +94,16 @@ def results(
         return
     from poisson_cli.batch import pool
 
-    yield from pool.run(
-        left,
-        workers=min(workers or cores(), len(left)),
-        limit=memory or memory_.available(),
-        keep_going=keep_going,
-        timeout=timeout,
-        quiet=quiet,
-        begins=begins,
-        ahead=begun,
-    )
+    try:
+        yield from pool.run(
+            left,
+            workers=min(workers or cores(), len(left)),
+            limit=memory or memory_.available(),
+            keep_going=keep_going,
+            timeout=timeout,
+            quiet=quiet,
+            begins=begins,
+            ahead=begun,
+        )
+    finally:
+        outputs.settle(left)  # the workers did not

@@ -126,10 +126,13 @@ def _keep_memory() -> None:
 
 def _the_usual(quiet: bool) -> Perform:
     """Load all that jobs need, the compiled solver as well, before the first of them."""
-    from poisson_cli import compiling
+    from poisson_cli import answering, compiling
     from poisson_cli.batch.task import perform
+    from poisson_cli.images.writing import settle_later
     from solvers.kernels.policy import library
 
+    answering.be_patient()
+    settle_later()
     compiling.announce(quiet=quiet)
     with _to_be_tidied_up():
         library.addresses("usual")

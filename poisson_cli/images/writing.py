@@ -25,7 +25,7 @@ from poisson_cli.images.metadata import Kind, Metadata
 from poisson_cli.images.picture import Picture
 from poisson_cli.images.target import Target
 
-__all__ = ["Committing", "encode", "fitting", "save", "write"]
+__all__ = ["Committing", "encode", "fitting", "save", "settle", "settle_later", "write"]
 
 _JPEG_BLOCK: Final = 65_000
 
@@ -172,7 +172,8 @@ def save(data: bytes, path: Path, *, overwrite: bool, before_commit: Committing 
             os.replace(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)
-    _sync_folder(path.parent)
+    if not _later:
+        settle(path.parent)
 
 
 def _write_nameless(data: bytes, path: Path, old: os.stat_result | None, before_commit: Committing) -> bool:
@@ -238,8 +239,20 @@ def _name_if_free(temporary: Path, path: Path) -> None:
             raise
 
 
-def _sync_folder(folder: Path) -> None:
-    """Force the new name to the disk, where the system lets a folder be opened for that."""
+_later = False
+
+
+def settle_later() -> None:
+    """Leave it to whoever started this process to force new names to the disk, once for many files in a folder.
+
+    Until then a power failure may take a name, and the file with it, but not a part of a file.
+    """
+    global _later
+    _later = True
+
+
+def settle(folder: Path) -> None:
+    """Force new names in a folder to the disk, where the system lets one be opened for that."""
     with contextlib.suppress(OSError):
         descriptor = os.open(folder, os.O_RDONLY)
         try:
