@@ -119,6 +119,9 @@ def parser() -> argparse.ArgumentParser:
     batch.add_argument(
         "--loop", type=int, default=50, metavar="N", help="of them, as single commands (default: %(default)s)"
     )
+    batch.add_argument(
+        "--rounds", type=int, default=3, metavar="N", help="interleaved rounds (default: %(default)s)"
+    )
     return top
 
 

@@ -1,9 +1,9 @@
 """`python -m benchmarks batch`: many small jobs, as one batch and as a loop of commands.
 
 Clones of about 5,000 pixels on 256 x 256 PNGs, which are painted here. A loop of single commands is timed on some of
-them, and reckoned up; the batch does all of them with one worker, and with two. The outputs of all three are compared,
-and the memory of the workers is looked at early and late. The processors' time is that of all processes together: where
-others are at work as well it says more than the clock.
+them, and reckoned up; the batch does all of them with one worker, and with two; and all that some times in turn. The
+outputs are compared, and the memory of the workers is looked at early and late. The processors' time is that of all
+processes together: where others are at work as well it says more than the clock.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import tempfile
 from argparse import Namespace
 from collections.abc import Iterator
 from pathlib import Path
+from statistics import median
 from time import perf_counter
 
 import numpy as np
@@ -49,7 +50,7 @@ def run(arguments: Namespace) -> list[str]:
         folder = Path(name)
         jobs = make_jobs(folder, arguments.jobs)
         subprocess.run([*POISSON, "warmup", "-q"], env=ENVIRONMENT, check=True)
-        return _compare(folder, jobs, arguments.loop, arguments.markdown)
+        return _compare(folder, jobs, arguments.loop, arguments.rounds, arguments.markdown)
 
 
 def make_jobs(folder: Path, number: int) -> list[dict[str, object]]:
@@ -82,33 +83,48 @@ def _picture(k: int) -> np.ndarray:
     return np.clip(waves[..., None] + noise, 0, 255).astype(np.uint8)
 
 
-def _compare(folder: Path, jobs: list[dict[str, object]], looped: int, markdown: bool) -> list[str]:
-    before = _processors()
-    loop = _loop(folder, jobs[:looped]) / looped * len(jobs)
-    busy = [(_processors() - before) / looped * len(jobs)]
-    single = _outputs(folder)
-    before = _processors()
-    one, _ = _batch(folder, len(jobs), 1)
-    busy.append(_processors() - before)
-    outputs = _outputs(folder)
-    before = _processors()
-    two, memory = _batch(folder, len(jobs), 2)
-    busy.append(_processors() - before)
+def _compare(
+    folder: Path, jobs: list[dict[str, object]], looped: int, rounds: int, markdown: bool
+) -> list[str]:
+    wrong: list[str] = []
+    times: dict[int, list[float]] = {0: [], 1: [], 2: []}  # 0: the loop
+    busy: dict[int, list[float]] = {0: [], 1: [], 2: []}
+    outputs: dict[str, bytes] = {}
+    for _ in range(rounds):
+        for workers in times:
+            before = _processors()
+            if workers:
+                seconds, memory = _batch(folder, len(jobs), workers)
+            else:
+                seconds = _loop(folder, jobs[:looped]) / looped * len(jobs)
+            times[workers].append(seconds)
+            busy[workers].append((_processors() - before) / (1 if workers else looped / len(jobs)))
+            found = _outputs(folder)
+            if any(outputs.setdefault(name, data) != data for name, data in found.items()):
+                wrong.append("one worker, two workers and single commands give different files")
+            if workers and len(found) != len(jobs):
+                wrong.append(f"{len(found)} outputs of {len(jobs)} jobs")
+    names = {
+        0: f"loop of commands, {looped} measured",
+        1: "poisson batch --jobs 1",
+        2: "poisson batch --jobs 2",
+    }
+    loop, one, two = map(median, times.values())
+    against = {0: ["1", ""], 1: [three(loop / one), "1"], 2: [three(loop / two), three(one / two)]}
     rows = [
-        [f"loop of commands, {looped} measured", duration(loop), "1", "", duration(busy[0])],
-        ["poisson batch --jobs 1", duration(one), three(loop / one), "1", duration(busy[1])],
-        ["poisson batch --jobs 2", duration(two), three(loop / two), three(one / two), duration(busy[2])],
+        [name, _spread(times[workers]), *against[workers], duration(median(busy[workers]))]
+        for workers, name in names.items()
     ]
+    print(f"Medians of {rounds} interleaved rounds, from the fastest to the slowest one.\n")
     columns = [f"{len(jobs):,} jobs", "time", "x loop", "x one worker", "processors' time"]
     print(render(columns, rows, markdown=markdown))
     early, late = (" + ".join(f"{size / 2**20:.1f}" for size in sizes) for sizes in memory)
     print(f"\nmemory of batch and workers, MiB: {early} after {EARLY:.0%} of the jobs, {late} after all")
-    wrong = []
-    if _outputs(folder) != outputs or single.items() - outputs.items():
-        wrong.append("one worker, two workers and single commands give different files")
-    if len(outputs) != len(jobs):
-        wrong.append(f"{len(outputs)} outputs of {len(jobs)} jobs")
     return wrong
+
+
+def _spread(seconds: list[float]) -> str:
+    return f"{duration(median(seconds))} ({three(min(seconds))} to {three(max(seconds))})"
 
 
 def _loop(folder: Path, jobs: list[dict[str, object]]) -> float:
