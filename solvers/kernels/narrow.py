@@ -29,6 +29,9 @@ WINDOW = 8  # equations at hand in `solve_in_window`
 FIRST_OMEGA, LOOK = 1.2, 3
 # and after how many it is given up.
 SWEEPS = 90
+# Equations in a row are mostly neighbours' and wait for each other; so they come that far apart.
+APART = 4
+TOGETHER = 4  # neighbours are added
 # The solution of A z = 1 is used as a bound: this share of it may be missing.
 Z_PRECISION = 1e-3
 FLOOR = 1e-14  # share of x: rounding errors
@@ -607,9 +610,12 @@ def eliminate(nodes, sums, marks, stack, left, sequence, n, width):
                 sequence[u(done)] = v
                 done += 1
     waiting, remaining = remaining, np.int64(0)
-    for k in range(waiting):
-        left[u(remaining)] = left[u(k)]
-        remaining += nodes[u(left[u(k)] * stride + STATE)] == WAITING
+    for first in range(APART):
+        for k in range(first, waiting, APART):
+            stack[u(remaining)] = left[u(k)]
+            remaining += nodes[u(left[u(k)] * stride + STATE)] == WAITING
+    for k in range(remaining):
+        left[u(k)] = stack[u(k)]
     return done
 
 
@@ -631,34 +637,32 @@ def substitute(nodes, sums, sequence, done, width):
 # --- over-relaxation of what is left ------------------------------------------------------------------------------
 
 
+@loops
+def find_residual(residual, terms, values, b, x, d, n):
+    """residual = b - d x in n channels."""
+    for c in range(u(n)):
+        residual[c] = terms[u(b) + c] - d * values[u(x) + c]
+
+
+@loops
+def add_neighbours(residual, values, weights, w, one, two, three, four, n):
+    """residual += the sum of w x over four neighbours, in n channels."""
+    for c in range(u(n)):
+        residual[c] += (weights[u(w)] * values[u(one) + c] + weights[u(w + 1)] * values[u(two) + c]) + (
+            weights[u(w + 2)] * values[u(three) + c] + weights[u(w + 3)] * values[u(four) + c]
+        )
+
+
 @inlined
-def relax_one(values, terms, edges, links, weights, k, width, omega):
-    """Gauss-Seidel on equation k, over-relaxed by omega; returns the largest |b - A x| before, of all channels but the
-    last, and that of the last; see `relax`.
-    """
-    x, b, first, end = k * width, k * (width + 1), u(edges[u(k)]), u(edges[u(k + 1)])
+def relax_one(values, residual, terms, edges, links, weights, k, width, omega):
+    """Gauss-Seidel on equation k, over-relaxed by omega; leaves b - A x from before in `residual`.  See `relax`."""
+    x, b = k * width, k * (width + 1)
     d = terms[u(b + width)]
-    factor = omega / d
-    if width == 4:  # three channels, and z: weights are read once
-        r0, r1 = terms[u(b)] - d * values[u(x)], terms[u(b + 1)] - d * values[u(x + 1)]
-        r2, r3 = terms[u(b + 2)] - d * values[u(x + 2)], terms[u(b + 3)] - d * values[u(x + 3)]
-        for p in range(first, end):
-            weight, there = weights[p], u(links[p])
-            r0, r1 = r0 + weight * values[there], r1 + weight * values[there + u(1)]
-            r2, r3 = r2 + weight * values[there + u(2)], r3 + weight * values[there + u(3)]
-        values[u(x)] += factor * r0
-        values[u(x + 1)] += factor * r1
-        values[u(x + 2)] += factor * r2
-        values[u(x + 3)] += factor * r3
-        return max(abs(r0), max(abs(r1), abs(r2))), abs(r3)
-    largest = last = 0.0
-    for c in range(width):
-        r = terms[u(b + c)] - d * values[u(x + c)]
-        for p in range(first, end):
-            r += weights[p] * values[u(links[p] + c)]
-        values[u(x + c)] += factor * r
-        largest, last = max(largest, last), abs(r)
-    return largest, last
+    find_residual(residual, terms, values, b, x, d, width)
+    for p in range(edges[u(k)], edges[u(k + 1)], TOGETHER):
+        one, two, three, four = links[u(p)], links[u(p + 1)], links[u(p + 2)], links[u(p + 3)]
+        add_neighbours(residual, values, weights, p, one, two, three, four, width)
+    add_scaled(values, x, residual, 0, omega / d, width)
 
 
 @inlined
@@ -680,11 +684,14 @@ def gather(values, terms, edges, links, weights, nodes, sums, marks, left, n, wi
             links[u(end)] = marks[u(nodes[u(v * stride + LINKS + p)])]
             weights[u(end)] = sums[u(own + SUMS + width + p)]
             end += 1
+        while end % TOGETHER != 0:
+            links[u(end)], weights[u(end)] = k * width, 0.0
+            end += 1
     edges[u(n)] = end
 
 
 @jit
-def relax(values, terms, edges, links, weights, nodes, sums, marks, left, n, width, precision):
+def relax(values, residual, terms, edges, links, weights, nodes, sums, marks, left, n, width, precision):
     """x in place of b for the n unknowns that `eliminate` left, by sweeps of over-relaxation; returns how many.
 
     All is known of the convergence that there is to know while it goes on, since A z = 1 is solved beside A x = b, as
@@ -692,25 +699,32 @@ def relax(values, terms, edges, links, weights, nodes, sums, marks, left, n, wid
     iteration contracts by rho <= 1 - min s_i / (d_i z_i), which gives the best omega (Young 1954); and if all residuals
     |r_i| <= t s_i, then the error is at most t z.
 
-    values, terms, edges, links, weights: scratch; of each equation x, b and d, where its neighbours begin, and of each
-    neighbour where its x lies, and w.  precision: of x, absolute.  Returns -1 if `SWEEPS` were too few.
+    values, residual, terms, edges, links, weights: scratch; of each equation x, of one b - A x, of each b and d, where
+    its neighbours begin, and of each neighbour where its x lies, and w.  precision: of x, absolute.  Returns -1 if
+    `SWEEPS` were too few.
     """
     gather(values, terms, edges, links, weights, nodes, sums, marks, left, n, width)
     omega = FIRST_OMEGA
     for sweep in range(1, SWEEPS + 1):
-        if sweep % LOOK != 0:
-            for k in range(n):
-                relax_one(values, terms, edges, links, weights, k, width, omega)
-            continue
         worst, missing, softest, largest, hardest = 0.0, 0.0, 0.0, 0.0, 1.0
+        look = sweep % LOOK == 0
         for k in range(n):
-            at, term = k * width, k * (width + 1) + width
-            z, s, d = values[u(at + width - 1)], terms[u(term - 1)], terms[u(term)]
-            softest, hardest = max(softest, z), min(hardest, s / (d * z))
-            r, r_of_z = relax_one(values, terms, edges, links, weights, k, width, omega)
-            worst, missing = max(worst, r / s), max(missing, r_of_z / s)
-            for c in range(width - 1):
-                largest = max(largest, abs(values[u(at + c)]))
+            # Of known length the loops over channels become vectors.
+            if width == 4:
+                relax_one(values, residual, terms, edges, links, weights, k, 4, omega)
+            else:
+                relax_one(values, residual, terms, edges, links, weights, k, width, omega)
+            if look:
+                term = k * (width + 1) + width
+                s, d, last = terms[u(term - 1)], terms[u(term)], width - 1
+                z = values[u(k * width + last)]
+                softest, hardest = max(softest, z), min(hardest, s / (d * z))
+                missing = max(missing, abs(residual[u(last)]) / s)
+                for c in range(last):
+                    worst = max(worst, abs(residual[u(c)]) / s)
+                    largest = max(largest, abs(values[u(k * width + c)]))
+        if not look:
+            continue
         if worst * softest <= max(precision, FLOOR * largest) and missing <= Z_PRECISION:
             span = SUMS + width + ROOM
             for k in range(n):
@@ -808,19 +822,9 @@ def solve_parts(
             done = eliminate(nodes, sums, marks, stack, left, sequence, count, width)
             if done < count:
                 sweeps[u(part)] = relax(
-                    values,
-                    terms,
-                    edges,
-                    links,
-                    weights,
-                    nodes,
-                    sums,
-                    marks,
-                    left,
-                    count - done,
-                    width,
+                    values, window, terms, edges, links, weights, nodes, sums, marks, left, count - done, width,
                     precision,
-                )
+                )  # fmt: skip
             if sweeps[u(part)] >= 0:
                 substitute(nodes, sums, sequence, done, width)
                 largest = unfold(x, z, sums, b, near, members, count, n, width) * (1.0 + 2.0 * Z_PRECISION)
