@@ -40,7 +40,7 @@ PRECISION = 0.5
 
 LARGEST_REGION = 1 << 30  # unknowns: they are numbered in 32 bits
 
-ENOUGH = 100  # pairs of rows: no more, or not many more, are looked at to tell whether a region is sparse
+ENOUGH = 32  # pairs of rows: no more, or not many more, are looked at to tell whether a region is sparse
 BAND = 1 << 20  # pixels of the region to look at in one go
 
 
