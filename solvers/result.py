@@ -29,7 +29,8 @@ class SolveResult(NamedTuple):
     history : tuple of float
         The estimate after each cycle, or after each group of sweeps, in levels; one if there was none.
     method : str
-        For example ``"multigrid F"``, ``"directly and by multigrid F"``, ``"directly"`` or ``"sor omega=1.97"``.
+        For example ``"multigrid F"``, ``"directly and by multigrid F"``, ``"directly"``, ``"directly and by sor"`` or
+        ``"sor omega=1.97"``.
     unknowns : int
         Unknown pixels.
     floating : bool
