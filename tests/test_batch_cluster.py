@@ -1,8 +1,10 @@
 """A batch on Dask: a scheduler and workers as processes of their own, on this machine's loopback."""
 
+import contextlib
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -156,6 +158,17 @@ def test_a_batch_that_is_stopped_leaves_the_cluster_in_order(folder, cluster):
     for name in made:
         (folder / "out" / name).unlink()
     assert made == by_single_commands(jobs(NUMBER))
+
+
+def test_two_clusters_on_one_machine_have_nothing_to_say_about_each_other(folder):
+    """Dask would warn that the port of its dashboard is taken, though there is no dashboard."""
+    with contextlib.ExitStack() as stack:
+        with contextlib.suppress(OSError):  # if it is taken already, so much the better
+            stack.enter_context(socket.create_server(("", 8787)))
+        path = write(folder, jobs(2))
+        process = start("batch", path.name, "--scheduler", "local", "-j", "1", "-q", cwd=folder)
+        assert process.communicate() == ("", "")
+        assert process.returncode == 0
 
 
 def test_a_stop_at_the_terminal_is_for_the_batch_alone(folder):

@@ -110,6 +110,8 @@ def _connected(scheduler: str, processes: int | None, stack: ExitStack) -> Clien
                         n_workers=processes or cores(),
                         threads_per_worker=1,
                         dashboard_address=None,
+                        # Its HTTP server comes all the same, at a port that a second batch would find taken.
+                        scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},
                         silence_logs=logging.CRITICAL,
                         preload="poisson_cli.batch.undisturbed",
                     )
