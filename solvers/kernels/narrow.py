@@ -1,4 +1,4 @@
-"""Gaussian elimination on parts of a region that are narrow; see `solvers.narrow` for what it makes of them."""
+"""Elimination and over-relaxation on parts of a region that are narrow; see `solvers.narrow` for what it makes of them."""
 
 import math
 
@@ -18,23 +18,24 @@ DIAGONAL, SUMS = range(2)
 WAITING, STACKED, ELIMINATED = range(3)
 
 ROOM = 14  # neighbours that a record has room for: a cache line with the rest
-# Unknowns with so many neighbours go first: a stroke has two or three at its end, most crossings of strokes five.
+# Unknowns with so many neighbours are eliminated, those with the fewest first: a stroke has two or three at its end.
 FEWEST, MOST = 2, 6
 
 u = np.uint64  # what arrays are indexed with, see solvers.kernels
 
 WINDOW = 8  # equations at hand in `solve_in_window`
 
-# Over-relaxation of what elimination leaves: omega for the first sweeps, how many pass until it is chosen anew,
-FIRST_OMEGA, LOOK = 1.2, 3
-# and after how many it is given up.
-SWEEPS = 90
-# Equations in a row are mostly neighbours' and wait for each other; so they come that far apart.
-APART = 4
+# Over-relaxation of what elimination leaves.
+FIRST_OMEGA = 1.2  # for the first sweeps;
+LOOK = 3  # after so many it is chosen anew, and they are ended if the error is small;
+SWEEPS = 90  # after so many they are given up
+LARGEST_RHO = 0.9999
+APART = (
+    4  # equations in a row are mostly neighbours', which wait for each other: they are relaxed so far apart
+)
 TOGETHER = 4  # neighbours are added
-# The solution of A z = 1 is used as a bound: this share of it may be missing.
-Z_PRECISION = 1e-3
-FLOOR = 1e-14  # share of x: rounding errors
+Z_PRECISION = 1e-3  # the solution of A z = 1 is used as a bound: this share of it may be missing
+FLOOR = 1e-14  # share of x that is rounding
 
 TILE = 32  # columns, see `survey`
 AHEAD = 24  # unknowns: how far before its turn its pixels are asked for
@@ -731,7 +732,7 @@ def relax(values, residual, terms, edges, links, weights, nodes, sums, marks, le
                 for c in range(width):
                     sums[u(left[u(k)] * span + SUMS + c)] = values[u(k * width + c)]
             return sweep
-        rho = max(1.0 - hardest, 0.0)
+        rho = min(max(1.0 - hardest, 0.0), LARGEST_RHO)  # while z is on its way it may say anything
         omega = 2.0 / (1.0 + math.sqrt(1.0 - rho * rho))
     return -1
 
