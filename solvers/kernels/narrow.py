@@ -1,4 +1,4 @@
-"""Elimination and over-relaxation on parts of a region that are narrow; see `solvers.narrow` for what it makes of them."""
+"""Elimination and over-relaxation on narrow parts of a region; see `solvers.narrow` for what it makes of them."""
 
 import math
 
