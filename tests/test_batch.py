@@ -4,6 +4,7 @@ import json
 import os
 import pty
 import random
+import shutil
 import signal
 import subprocess
 from pathlib import Path
@@ -401,18 +402,24 @@ def test_stopped_and_begun_again_it_ends_as_if_nothing_had_been(folder, poisson,
         signal.SIGINT, signal.default_int_handler
     )  # heard by children, wherever this is started
     lines = jobs(40)
+    lines[35]["source"] = "slow.png"  # so that it cannot be done before the signal comes
     path = write(folder, lines)
+    slow = shutil.copyfile(folder / "source.png", folder / "slow.png")
     expected = by_single_commands(lines)
     moments = random.Random(int(number))
     try:
         for seen in (0, moments.randint(1, 10), moments.randint(11, 25)):
-            process = start("batch", path.name, "-j", 2, "--report", "-", cwd=folder)
-            for _ in range(seen):
-                process.stdout.readline()
-            wait_until(lambda: len(children(process.pid)) >= 2, "no workers")  # noqa: B023
-            workers = children(process.pid)
-            process.send_signal(number)
-            out, err = process.communicate()
+            slow.unlink()
+            with endless(slow):
+                process = start("batch", path.name, "-j", 2, "--report", "-", cwd=folder)
+                for _ in range(seen):
+                    process.stdout.readline()
+                wait_until(lambda: len(children(process.pid)) >= 2, "no workers")  # noqa: B023
+                workers = children(process.pid)
+                process.send_signal(number)
+                out, err = process.communicate()
+            slow.unlink()
+            shutil.copyfile(folder / "source.png", slow)
             assert process.returncode == code, err
             wait_until(lambda: not any(map(is_alive, workers)), "workers are left")  # noqa: B023
             made = outputs(folder)
@@ -434,15 +441,18 @@ def test_stopped_and_begun_again_it_ends_as_if_nothing_had_been(folder, poisson,
 def test_a_signal_to_all_its_processes_leaves_nothing_behind(folder, number):
     """As a terminal, a container and a cluster's scheduler send it."""
     usual = signal.signal(signal.SIGINT, signal.default_int_handler)
-    path = write(folder, jobs(200))
-    try:
-        process = start("batch", path.name, "-j", 2, "--report", "-", cwd=folder, group=True)
-    finally:
-        signal.signal(signal.SIGINT, usual)
-    process.stdout.readline()
-    workers = children(process.pid)
-    os.killpg(process.pid, number)
-    _, err = process.communicate()
+    lines = jobs(200)
+    lines[100]["source"] = "pipe.png"  # so that it cannot be done before the signal comes
+    path = write(folder, lines)
+    with endless(folder / "pipe.png"):
+        try:
+            process = start("batch", path.name, "-j", 2, "--report", "-", cwd=folder, group=True)
+        finally:
+            signal.signal(signal.SIGINT, usual)
+        process.stdout.readline()
+        workers = children(process.pid)
+        os.killpg(process.pid, number)
+        _, err = process.communicate()
     wait_until(lambda: not any(map(is_alive, workers)), "workers are left")
     codes = {signal.SIGTERM: 143, signal.SIGINT: 130, signal.SIGHUP: 129, signal.SIGKILL: -9}
     assert process.returncode == codes[number]
@@ -453,7 +463,11 @@ def test_a_signal_to_all_its_processes_leaves_nothing_behind(folder, number):
 @pytest.mark.parametrize("heard", [True, False])
 def test_a_terminal_that_is_closed(folder, expected, heard):
     """The batch ends; or, if it was told not to hear of that, goes on to its end in silence."""
-    path = write(folder, jobs(200 if heard else NUMBER))
+    lines = jobs(NUMBER)
+    if heard:
+        lines[-1]["source"] = "pipe.png"  # so that it cannot be done before the terminal is closed
+        os.mkfifo(folder / "pipe.png")
+    path = write(folder, lines)
     pid, terminal = pty.fork()
     if pid == 0:
         os.chdir(folder)
@@ -468,7 +482,7 @@ def test_a_terminal_that_is_closed(folder, expected, heard):
     _, status = os.waitpid(pid, 0)
     _, summary = report((folder / "report.jsonl").read_text())
     assert os.waitstatus_to_exitcode(status) == summary["exit_code"] == (129 if heard else 0)
-    assert summary["done"] < 200 if heard else outputs(folder) == expected
+    assert summary["done"] < NUMBER if heard else outputs(folder) == expected
 
 
 # --- from Python ------------------------------------------------------------------------------------------------------
