@@ -173,7 +173,7 @@ def test_two_clusters_on_one_machine_have_nothing_to_say_about_each_other(folder
 
 def test_a_stop_at_the_terminal_is_for_the_batch_alone(folder):
     """It reaches every process there, and none of the workers has anything to say about it."""
-    path = write(folder, jobs(NUMBER))
+    path = write(folder, jobs(10 * NUMBER))  # so many that they are not done before the signal comes
     usual = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         process = start(
