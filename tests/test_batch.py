@@ -440,7 +440,11 @@ def test_stopped_and_begun_again_it_ends_as_if_nothing_had_been(folder, poisson,
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGKILL])
 def test_a_signal_to_all_its_processes_leaves_nothing_behind(folder, number):
     """As a terminal, a container and a cluster's scheduler send it."""
-    usual = signal.signal(signal.SIGINT, signal.default_int_handler)
+    # Heard by children, wherever this is started.
+    usual = {
+        signal.SIGINT: signal.signal(signal.SIGINT, signal.default_int_handler),
+        signal.SIGHUP: signal.signal(signal.SIGHUP, signal.SIG_DFL),
+    }
     lines = jobs(200)
     lines[100]["source"] = "pipe.png"  # so that it cannot be done before the signal comes
     path = write(folder, lines)
@@ -448,7 +452,8 @@ def test_a_signal_to_all_its_processes_leaves_nothing_behind(folder, number):
         try:
             process = start("batch", path.name, "-j", 2, "--report", "-", cwd=folder, group=True)
         finally:
-            signal.signal(signal.SIGINT, usual)
+            for one, handler in usual.items():
+                signal.signal(one, handler)
         process.stdout.readline()
         workers = children(process.pid)
         os.killpg(process.pid, number)
