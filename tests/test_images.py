@@ -526,34 +526,37 @@ def temporary(request, monkeypatch):
     return request.param
 
 
-@pytest.mark.parametrize("overwrite", [False, True])
-def test_there_is_nothing_to_be_seen_before_all_is_on_the_disk(tmp_path, monkeypatch, temporary, overwrite):
-    """So that SIGKILL, which nothing can tidy up after, leaves nothing either."""
-    seen = []
+@pytest.fixture
+def when_forced(monkeypatch):
+    """Have something done before a file or a folder, whichever `is_one` tells, is forced to the disk."""
     sync = os.fsync
 
-    def look_and_sync(descriptor: int) -> None:
-        if stat.S_ISREG(os.fstat(descriptor).st_mode):
-            seen.append([path.read_bytes() for path in tmp_path.iterdir()])
-        sync(descriptor)
+    def listen(is_one, look) -> None:
+        def look_and_sync(descriptor: int) -> None:
+            if is_one(os.fstat(descriptor).st_mode):
+                look()
+            sync(descriptor)
 
-    monkeypatch.setattr(os, "fsync", look_and_sync)
+        monkeypatch.setattr(os, "fsync", look_and_sync)
+
+    return listen
+
+
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_there_is_nothing_to_be_seen_before_all_is_on_the_disk(tmp_path, when_forced, temporary, overwrite):
+    """So that SIGKILL, which nothing can tidy up after, leaves nothing either."""
+    seen = []
+    when_forced(stat.S_ISREG, lambda: seen.append([path.read_bytes() for path in tmp_path.iterdir()]))
     writing.save(b"new", tmp_path / "a", overwrite=overwrite)
     assert seen == [[] if temporary == "nameless" else [b"new"]]
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {"a": b"new"}
 
 
+@pytest.mark.usefixtures("temporary")
 @pytest.mark.parametrize("overwrite", [False, True])
-def test_the_name_is_forced_to_the_disk_as_well_now_or_later(tmp_path, monkeypatch, temporary, overwrite):
+def test_the_name_is_forced_to_the_disk_as_well_now_or_later(tmp_path, monkeypatch, when_forced, overwrite):
     forced = []
-    sync = os.fsync
-
-    def look_and_sync(descriptor: int) -> None:
-        if stat.S_ISDIR(os.fstat(descriptor).st_mode):
-            forced.append(sorted(path.name for path in tmp_path.iterdir()))
-        sync(descriptor)
-
-    monkeypatch.setattr(os, "fsync", look_and_sync)
+    when_forced(stat.S_ISDIR, lambda: forced.append(sorted(path.name for path in tmp_path.iterdir())))
     monkeypatch.setattr(writing, "_later", False)  # to be what it was when the test is over
     writing.save(b"new", tmp_path / "a", overwrite=overwrite)
     assert forced == [["a"]]

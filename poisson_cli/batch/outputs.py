@@ -1,4 +1,4 @@
-"""Outputs that cannot be written, as far as that is known before any job runs."""
+"""What jobs write, all together: what cannot be written, before any job runs; their folders; their names at the end."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from pathlib import Path
 from poisson_cli.batch.mistakes import Mistake
 from poisson_cli.batch.task import Task, outputs_of
 from poisson_cli.errors import OutputError
+from poisson_cli.images import writing
 from poisson_cli.images.target import format_for
 
 __all__ = ["make_folders", "settle", "unwritable"]
@@ -77,8 +78,6 @@ def make_folders(tasks: Sequence[Task]) -> None:
 
 def settle(tasks: Sequence[Task]) -> None:
     """Force the names of all outputs to the disk; a folder that is not there has none."""
-    from poisson_cli.images import writing
-
     for folder in _folders(tasks):
         writing.settle(Path(folder or "."))
 

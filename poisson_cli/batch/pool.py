@@ -12,7 +12,6 @@ that it is done. The next one has not begun, as far as anybody is concerned, bef
 from __future__ import annotations
 
 import contextlib
-import itertools
 import math
 import multiprocessing
 import signal
@@ -212,7 +211,6 @@ class _Pool:
             yield from refused
             if not any(worker.attempts for worker in self._workers):
                 return
-            self._look_ahead()
             by_pipe = {worker.pipe: worker for worker in self._workers}
             results = [
                 result
@@ -235,11 +233,6 @@ class _Pool:
                 worker.process.join(_PATIENCE)  # a process that waits for a dead disk cannot be killed
             _sweep(worker)
         self._workers.clear()
-
-    def _look_ahead(self) -> None:
-        """Estimate what comes next while all workers are busy: none of them waits for it then."""
-        for attempt in itertools.islice(self._waiting, len(self._workers)):
-            attempt.bytes = attempt.bytes or self._estimate(attempt.task)
 
     def _hand_out(self) -> Iterator[Result]:
         """Give a job to every worker that has none, as long as memory allows.

@@ -306,15 +306,6 @@ def add_channels(sums, to, a, factor, width):
 
 
 @inlined
-def add_rows(values, to, others, a, factor, width):
-    """values[to ...] += factor * others[a ...], `width` of them."""
-    if width == 4:
-        add_scaled(values, to, others, a, factor, 4)
-    else:
-        add_scaled(values, to, others, a, factor, width)
-
-
-@inlined
 def add_row(sums, to, others, a, factor, width):
     """sums[to ...] += factor * others[a ...], a row of the window.  In two pieces of whole vectors: LLVM would make one
     loop of them, with masks, and what is stored through a mask takes long to be read again.
@@ -350,6 +341,21 @@ def neighbours(near, i):
     for side in range(4):
         inside += near[u(i), side] != BEYOND
     return inside
+
+
+@inlined
+def known_of(values, i, span, c):
+    """values[i, c] of (n, span) values, 0 if i is none."""
+    value = values[u(max(i, 0) * span + c)]
+    return value if i >= 0 else 0.0
+
+
+@inlined
+def sum_around(values, near, i, span, c):
+    """The sum of values[p, c] over the neighbours p of unknown i."""
+    north, west, east, south = near[u(i), 0], near[u(i), 1], near[u(i), 2], near[u(i), 3]
+    along = known_of(values, north, span, c) + known_of(values, south, span, c)
+    return along + (known_of(values, west, span, c) + known_of(values, east, span, c))
 
 
 @jit
@@ -451,16 +457,16 @@ def colour(number, members, place, order, row_length, start, n):
 
 
 @inlined
-def share(near, i, alone):
-    """1 / d of unknown i, 0 if it is none: nothing goes to and fro through a known pixel.  `alone` is any unknown."""
-    inverse = 1.0 / neighbours(near, i if i >= 0 else alone)
+def share(near, i):
+    """1 / d of unknown i, 0 if it is none: nothing goes to and fro through a known pixel."""
+    inverse = 1.0 / neighbours(near, max(i, 0))
     return inverse if i >= 0 else 0.0
 
 
 @inlined
-def beyond(near, i, side, alone):
+def beyond(near, i, side):
     """The neighbour of unknown i on that side, KNOWN if i is none."""
-    other = np.int64(near[u(i if i >= 0 else alone), side])
+    other = np.int64(near[u(max(i, 0)), side])
     return other if i >= 0 else np.int64(KNOWN)
 
 
@@ -468,23 +474,24 @@ def beyond(near, i, side, alone):
 def record(nodes, sums, b, near, number, members, count, width):
     """Records of a part's black unknowns, its red ones being eliminated; see `colour`."""
     stride, span, weights = LINKS + ROOM, SUMS + width + ROOM, SUMS + width
+    flat, channels = b.reshape(-1), width - 1
     for v in range(count):
         i = np.int64(members[u(v)])
         links, own = v * stride + LINKS, v * span
         north, west = np.int64(near[u(i), 0]), np.int64(near[u(i), 1])
         east, south = np.int64(near[u(i), 2]), np.int64(near[u(i), 3])
-        by_north, by_west = share(near, north, i), share(near, west, i)
-        by_east, by_south = share(near, east, i), share(near, south, i)
+        by_north, by_west = share(near, north), share(near, west)
+        by_east, by_south = share(near, east), share(near, south)
         degree = np.int64(0)
         for other, weight in (
-            (beyond(near, north, 0, i), by_north),
-            (max(beyond(near, north, 1, i), beyond(near, west, 0, i)), by_north + by_west),
-            (max(beyond(near, north, 2, i), beyond(near, east, 0, i)), by_north + by_east),
-            (beyond(near, west, 1, i), by_west),
-            (beyond(near, east, 2, i), by_east),
-            (max(beyond(near, south, 1, i), beyond(near, west, 3, i)), by_south + by_west),
-            (max(beyond(near, south, 2, i), beyond(near, east, 3, i)), by_south + by_east),
-            (beyond(near, south, 3, i), by_south),
+            (beyond(near, north, 0), by_north),
+            (max(beyond(near, north, 1), beyond(near, west, 0)), by_north + by_west),
+            (max(beyond(near, north, 2), beyond(near, east, 0)), by_north + by_east),
+            (beyond(near, west, 1), by_west),
+            (beyond(near, east, 2), by_east),
+            (max(beyond(near, south, 1), beyond(near, west, 3)), by_south + by_west),
+            (max(beyond(near, south, 2), beyond(near, east, 3)), by_south + by_east),
+            (beyond(near, south, 3), by_south),
         ):
             # If it is none, the next one comes here.
             nodes[u(links + degree)] = number[u(other if other >= 0 else i)]
@@ -492,11 +499,11 @@ def record(nodes, sums, b, near, number, members, count, width):
             degree += other >= 0
         nodes[u(v * stride + DEGREE)] = degree
         sums[u(own + DIAGONAL)] = neighbours(near, i) - ((by_north + by_south) + (by_west + by_east))
-        north, west = north if north >= 0 else i, west if west >= 0 else i
-        east, south = east if east >= 0 else i, south if south >= 0 else i
-        for c in range(width - 1):
-            along = by_north * b[u(north), u(c)] + by_south * b[u(south), u(c)]
-            across = by_west * b[u(west), u(c)] + by_east * b[u(east), u(c)]
+        for c in range(channels):
+            along = by_north * known_of(flat, north, channels, c) + by_south * known_of(
+                flat, south, channels, c
+            )
+            across = by_west * known_of(flat, west, channels, c) + by_east * known_of(flat, east, channels, c)
             sums[u(own + SUMS + c)] = b[u(i), u(c)] + (along + across)
         sums[u(own + SUMS + width - 1)] = 1.0 + ((by_north + by_south) + (by_west + by_east))
 
@@ -740,21 +747,6 @@ def relax(values, residual, terms, edges, links, weights, nodes, sums, marks, le
 # --- solution -----------------------------------------------------------------------------------------------------
 
 
-@inlined
-def known_of(values, i, span, c):
-    """values[i, c] of (n, span) values, 0 if i is none."""
-    value = values[u(max(i, 0) * span + c)]
-    return value if i >= 0 else 0.0
-
-
-@inlined
-def sum_around(values, near, i, span, c):
-    """The sum of values[p, c] over the neighbours p of unknown i."""
-    north, west, east, south = near[u(i), 0], near[u(i), 1], near[u(i), 2], near[u(i), 3]
-    along = known_of(values, north, span, c) + known_of(values, south, span, c)
-    return along + (known_of(values, west, span, c) + known_of(values, east, span, c))
-
-
 @jit
 def unfold(x, z, sums, b, near, members, count, n, width):
     """x and z of a part's n unknowns: the black ones' from their records, the red ones' from their neighbours'.
@@ -828,6 +820,7 @@ def solve_parts(
                 )  # fmt: skip
             if sweeps[u(part)] >= 0:
                 substitute(nodes, sums, sequence, done, width)
+                # What was missing of z is as of the last look, hence twice.
                 largest = unfold(x, z, sums, b, near, members, count, n, width) * (1.0 + 2.0 * Z_PRECISION)
         softness[u(part)] = largest
 
@@ -835,21 +828,11 @@ def solve_parts(
 @jit
 def find_residuals(largest, x, b, near, part, first, end):
     """Per part the bit pattern of the largest |b - A x| at its unknowns, of which first ... end are looked at now."""
+    flat, channels = x.reshape(-1), x.shape[1]
     for i in range(first, end):
         inside, k = neighbours(near, i), np.int64(part[u(i)])
-        # In place of a neighbour that is none stands the unknown itself.
-        north, west, east, south = near[u(i), 0], near[u(i), 1], near[u(i), 2], near[u(i), 3]
-        if north < 0:
-            north, inside = i, inside + 1.0
-        if west < 0:
-            west, inside = i, inside + 1.0
-        if east < 0:
-            east, inside = i, inside + 1.0
-        if south < 0:
-            south, inside = i, inside + 1.0
         worst = largest[u(k)]
-        for c in range(x.shape[1]):
-            others = (x[u(north), u(c)] + x[u(south), u(c)]) + (x[u(west), u(c)] + x[u(east), u(c)])
-            r = (b[u(i), u(c)] - inside * x[u(i), u(c)]) + others
+        for c in range(channels):
+            r = (b[u(i), u(c)] - inside * x[u(i), u(c)]) + sum_around(flat, near, i, channels, c)
             worst = max(worst, bits_of(r))
         largest[u(k)] = worst
