@@ -1,5 +1,7 @@
 """The correction to a first guess: what the solvers iterate on, held in float32, with its residual in float64."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
@@ -10,6 +12,7 @@ from numpy.typing import NDArray
 from solvers.canvas import Correct, Values, with_channels
 from solvers.hierarchy import Hierarchy, build_hierarchy
 from solvers.kernels import exact as kernels
+from solvers.kernels import pictures
 from solvers.layout import Float32, field_size
 from solvers.memory import Arena
 from solvers.problem import PoissonProblem
@@ -144,19 +147,9 @@ class Correction:
         """First guess + correction, as the problem's canvas paints it."""
         return corrected(self.problem, self.adding(), self.team)
 
-    def adding(self) -> Correct:
+    def adding(self) -> Addition:
         """What adds the correction to rows of the first guess."""
-        h, total = self.hierarchy, self.total
-        drift = self._drift() if self.problem.floating else None
-
-        def add(guess: Values, top: int) -> None:
-            runs = _runs_of(h.finest_runs, top, top + len(guess))
-            line = np.empty((guess.shape[1] + 1) * guess.shape[2], guess.dtype)
-            kernels.add_solution(guess, line, total, self.x, top, runs, h.table)
-            if drift is not None:
-                guess -= drift.astype(guess.dtype)
-
-        return add
+        return Addition(self)
 
     def _drift(self) -> NDArray[np.float64]:
         """The mean of the correction, per channel."""
@@ -164,6 +157,63 @@ class Correction:
         total, x = (u.reshape(channels, -1) for u in (self.total, self.finest))
         sums = total.sum(1, dtype=np.float64) + x.sum(1, dtype=np.float64)
         return np.asarray(sums / (height * width), np.float64)
+
+
+class Addition:
+    """What adds a correction to rows of the first guess; see `solvers.canvas.Correct`."""
+
+    def __init__(self, correction: Correction) -> None:
+        self._of = correction
+        self._fields = correction.total, correction.x
+        self._drift = correction._drift() if correction.problem.floating else None
+
+    def __call__(self, guess: Values, top: int) -> None:
+        """In place, to rows (n, W, C), the first of which is row `top` of the image."""
+        h = self._of.hierarchy
+        runs = _runs_of(h.finest_runs, top, top + len(guess))
+        line = np.empty((guess.shape[1] + 1) * guess.shape[2], guess.dtype)
+        pictures.add_solution(guess, line, *self._fields, top, runs, h.table)
+        if self._drift is not None:
+            guess -= self._drift.astype(guess.dtype)
+
+    def round_into(
+        self,
+        picture: NDArray[Any],
+        base: NDArray[Any],
+        corners: NDArray[np.int64],
+        largest: float,
+        first: int,
+        end: int,
+    ) -> tuple[float, float]:
+        """Rows first ... end of a picture of integers: where the region is, base + correction, rounded and clipped.
+
+        The same as adding to float32 values of the base, and rounding those, but the values are never all there.
+
+        Parameters
+        ----------
+        picture, base : (H, W, C) uint8 or uint16
+            The base holds the first guess.
+        corners : (4,) int64
+            Row and column where the image begins on the picture, and on the base.
+        largest : float
+            Where to clip.
+        first, end : int
+            `first` is even.
+
+        Returns
+        -------
+        float, float
+            How many values were clipped, and how far the furthest left the range.
+        """
+        assert self._drift is None, "where only a constant is known the first guess is no picture"
+        h, region = self._of.hierarchy, self._of.problem.region
+        room = (region.shape[1] + 1) * picture.shape[2]
+        scratch = np.empty(room, np.uint8), np.empty(room, np.float32)
+        where = first, end, _runs_of(h.finest_runs, first, end), h.table
+        clipped, furthest = pictures.round_solution(
+            picture, base, *scratch, *self._fields, region, corners, largest, *where
+        )
+        return float(clipped), float(furthest)
 
 
 def corrected(

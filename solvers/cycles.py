@@ -12,6 +12,8 @@ cycle and the beginning of the next, or the same inside an F- or W-cycle: what w
 one.  The recursion is unrolled here, in Python; a compiled kernel runs the list.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Iterator
 from functools import cache
 from typing import Literal, NamedTuple, get_args
@@ -24,14 +26,14 @@ from solvers.kernels import cycle as kernels
 from solvers.layout import FIRST_SEGMENT, LANES, STRIDE, Float32, aligned_zeros
 from solvers.team import WORTH_SHARING, Band, Team
 
-Cycle = Literal["V", "F", "W"]
+Cycle = Literal["V", "D", "F", "W"]
 CYCLES: tuple[Cycle, ...] = get_args(Cycle)
 
 # How a cycle visits the level below: once, or twice in a row.
-VISITS: dict[Cycle, tuple[Cycle, ...]] = {"V": ("V",), "F": ("F", "V"), "W": ("W", "W")}
+VISITS: dict[Cycle, tuple[Cycle, ...]] = {"V": ("V",), "D": ("V", "V"), "F": ("F", "V"), "W": ("W", "W")}
 
 # What to go on with where a cycle contracts badly.
-STRONGER: dict[Cycle, Cycle] = {"V": "F", "F": "W"}
+STRONGER: dict[Cycle, Cycle] = {"V": "F", "D": "F", "F": "W"}
 
 
 DOWN, UP, TURN, EXACT = "down", "up", "turn", "exact"

@@ -5,6 +5,8 @@ and one *leak* per direction to the known values beside it.  A leak keeps its di
 the known value's distance: that is what makes one coarse operator work on every region, thin and ragged ones included.
 """
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Multigrid: V-, F- and W-cycles on a region of any shape; its narrow parts are solved directly."""
 
+from __future__ import annotations
+
 import math
 from typing import NamedTuple
 

@@ -9,6 +9,8 @@ So the solution is found in stages.  A stage solves A x = b in float32 until x i
 and the next stage solves for what is left, which is smaller by as many digits, and so are its rounding errors.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable
 
 import numpy as np

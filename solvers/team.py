@@ -8,6 +8,8 @@ rows; each part computes from values that no other part changes at the same time
   program say, leaves what it does not get to for the others.
 """
 
+from __future__ import annotations
+
 import os
 import threading
 from collections.abc import Callable, Sequence

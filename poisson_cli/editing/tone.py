@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from poisson_cli.errors import InputError
 from solvers.canvas import Values
+from solvers.correction import Addition
 from solvers.kernels.pictures import round_at, round_into, subtract_pictures
 from solvers.problem import LARGEST_VALUE
 
@@ -127,6 +128,15 @@ def paste(picture: NDArray[Any], values: Values, region: NDArray[np.bool_], left
     np.copyto(picture[:, left : left + values.shape[1]], values, where=region[:, :, np.newaxis])
     overshoot = excess(values[region], dtype) if excess(values, dtype) > 0 else 0.0
     return 0, overshoot / level(dtype)
+
+
+def paste_sum(
+    picture: Stored, base: Stored, correction: Addition, first: int, end: int
+) -> tuple[int, float]:
+    """The same for base + correction, in rows first ... end of the window (`first` is even), of pictures of integers."""
+    corners, largest = np.array([*picture.corner, *base.corner]), FULL_SCALE[picture.pixels.dtype.type]
+    clipped, beyond = correction.round_into(picture.pixels, base.pixels, corners, largest, first, end)
+    return int(clipped), beyond / level(picture.pixels.dtype)
 
 
 def paste_at(

@@ -4,6 +4,8 @@ Stored values become working values, and working values stored ones, in bands of
 the pictures themselves nothing here is as large as a picture.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from functools import cached_property
 from typing import Any
@@ -19,6 +21,7 @@ from poisson_cli.editing.placement import Placement
 from poisson_cli.editing.spaces import AsStored, Space
 from poisson_cli.editing.stopwatch import Stopwatch
 from solvers.canvas import Correct, Equations, Rim, Share, Values, bands, with_channels
+from solvers.correction import Addition
 
 # Pixels that are painted together, where they are scattered.
 TOGETHER = 1 << 14
@@ -129,9 +132,13 @@ class Window:
             picture = np.empty(self._picture.shape, self._picture.dtype)
             picture[:top], picture[bottom:] = self._picture[:top], self._picture[bottom:]
             larger = LARGER if self._as_stored else 1
+            target, base = tone.Stored.of(picture, (top, self._placement.left)), self._base()
 
             def rows(first: int, end: int) -> tuple[int, float]:
                 """How many values were clipped, and how far the furthest left the range."""
+                if isinstance(correct, Addition) and target is not None and base is not None:
+                    picture[top + first : top + end] = self._picture[top + first : top + end]
+                    return tone.paste_sum(target, base, correct, first, end)
                 clipped, overshoot = 0, 0.0
                 for low, high, layers in self.bands(first, end, larger):
                     picture[top + low : top + high] = self._picture[top + low : top + high]

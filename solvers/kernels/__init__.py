@@ -21,8 +21,8 @@ Unknowns that are scattered over a picture are waited for, each of them: `prefet
 
     setup     from a region to the coefficients of all levels
     cycle     relaxation, restriction, interpolation, exact solution: the steps of a cycle
-    exact     between pictures and the layout, and between float32 and float64
-    pictures  pictures of integers as they are stored: differences, and values rounded into them
+    exact     the right-hand side, and between float32 and float64
+    pictures  the solution added to pictures; those of integers as they are stored: differences, and rounding
     narrow    elimination and over-relaxation where a region is narrow: a layout of its own, see `solvers.narrow`
 
 A module's kernels call no kernel of another module: numba's cache on disk does not see edits there.

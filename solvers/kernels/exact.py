@@ -169,60 +169,6 @@ def assemble_rim(b, values, rows, cols, weight, table):
                     b[4 * channel * size + at] += values[k, channel]
 
 
-# --- the solution ------------------------------------------------------------------------------------------------
-
-
-@loops
-def interleave(line, total, x, at, places, size, channels):
-    """line = total + x in pairs of columns of a row, channels interleaved; the first even one is at `at`."""
-    zero = line.dtype.type(0)  # of the type to add in
-    if channels == 3:  # written out, so that LLVM puts six vectors together
-        a, b, c = u(at), u(at + 4 * size), u(at + 8 * size)
-        d, e, f = a + u(size), b + u(size), c + u(size)
-        for i in range(u(places)):
-            line[u(6) * i] = (total[a + i] + zero) + x[a + i]
-            line[u(6) * i + u(1)] = (total[b + i] + zero) + x[b + i]
-            line[u(6) * i + u(2)] = (total[c + i] + zero) + x[c + i]
-            line[u(6) * i + u(3)] = (total[d + i] + zero) + x[d + i]
-            line[u(6) * i + u(4)] = (total[e + i] + zero) + x[e + i]
-            line[u(6) * i + u(5)] = (total[f + i] + zero) + x[f + i]
-    else:
-        for channel in range(channels):
-            even, step, first = u(at + 4 * channel * size), u(2 * channels), u(channel)
-            odd, second = even + u(size), first + u(channels)
-            for i in range(u(places)):
-                line[first + step * i] = (total[even + i] + zero) + x[even + i]
-                line[second + step * i] = (total[odd + i] + zero) + x[odd + i]
-
-
-@loops
-def add_line(target, line, at, n):
-    """target[at : at + n] += line."""
-    at = u(at)
-    nothing = -np.float32(0.0)  # adding it changes nothing, not even -0.0
-    for i in range(u(n)):
-        target[at + i] += line[i] if line[i] != 0 else nothing
-
-
-@jit
-def add_solution(solution, line, total, x, top, runs, table):
-    """solution += total + x, which are added in the type of `line`, the solution's.
-
-    solution: (n, width, channels), rows top ... top + n of the image (`top` is even).  line: scratch for (width + 1) *
-    channels values.  runs: those of the rows.
-    """
-    rows, width, channels = solution.shape
-    stride, size = table[0, STRIDE], table[0, QUARTER]
-    target = solution.reshape(-1)
-    for k in range(runs.shape[0]):
-        begin = np.int64(runs[k, 0]) * 2
-        low, high = np.int64(runs[k, 1]) * 2, min(np.int64(runs[k, 2]) * 2, width)
-        for row in range(max(begin, top), min(begin + 2, top + rows)):
-            at = 2 * (row & 1) * size + (begin // 2 + 1) * stride + low // 2
-            interleave(line, total, x, at, (high - low + 1) // 2, size, channels)
-            add_line(target, line, ((row - top) * width + low) * channels, (high - low) * channels)
-
-
 # --- from stage to stage -----------------------------------------------------------------------------------------
 
 

@@ -1,8 +1,9 @@
-"""Pictures of integers, as they are stored: differences of them, and values rounded into them."""
+"""The solution added to pictures; pictures of integers, as they are stored: differences, and rounding into them."""
 
 import numpy as np
 
 from solvers.kernels.policy import inlined, jit, loops
+from solvers.layout import QUARTER, STRIDE
 from solvers.native.prefetch import prefetch
 
 u = np.uint64  # what arrays are indexed with, see solvers.kernels
@@ -43,6 +44,57 @@ def rounded(value, largest):
 
 
 # --- in rows -----------------------------------------------------------------------------------------------------
+
+
+@loops
+def interleave(line, total, x, at, places, size, channels):
+    """line = total + x in pairs of columns of a row, channels interleaved; the first even one is at `at`."""
+    zero = line.dtype.type(0)  # of the type to add in
+    if channels == 3:  # written out, so that LLVM puts six vectors together
+        a, b, c = u(at), u(at + 4 * size), u(at + 8 * size)
+        d, e, f = a + u(size), b + u(size), c + u(size)
+        for i in range(u(places)):
+            line[u(6) * i] = (total[a + i] + zero) + x[a + i]
+            line[u(6) * i + u(1)] = (total[b + i] + zero) + x[b + i]
+            line[u(6) * i + u(2)] = (total[c + i] + zero) + x[c + i]
+            line[u(6) * i + u(3)] = (total[d + i] + zero) + x[d + i]
+            line[u(6) * i + u(4)] = (total[e + i] + zero) + x[e + i]
+            line[u(6) * i + u(5)] = (total[f + i] + zero) + x[f + i]
+    else:
+        for channel in range(channels):
+            even, step, first = u(at + 4 * channel * size), u(2 * channels), u(channel)
+            odd, second = even + u(size), first + u(channels)
+            for i in range(u(places)):
+                line[first + step * i] = (total[even + i] + zero) + x[even + i]
+                line[second + step * i] = (total[odd + i] + zero) + x[odd + i]
+
+
+@loops
+def add_line(target, line, at, n):
+    """target[at : at + n] += line."""
+    at = u(at)
+    nothing = -np.float32(0.0)  # adding it changes nothing, not even -0.0
+    for i in range(u(n)):
+        target[at + i] += line[i] if line[i] != 0 else nothing
+
+
+@jit
+def add_solution(solution, line, total, x, top, runs, table):
+    """solution += total + x, which are added in the type of `line`, the solution's.
+
+    solution: (n, width, channels), rows top ... top + n of the image (`top` is even).  line: scratch for (width + 1) *
+    channels values.  runs: those of the rows.
+    """
+    rows, width, channels = solution.shape
+    stride, size = table[0, STRIDE], table[0, QUARTER]
+    target = solution.reshape(-1)
+    for k in range(runs.shape[0]):
+        begin = np.int64(runs[k, 0]) * 2
+        low, high = np.int64(runs[k, 1]) * 2, min(np.int64(runs[k, 2]) * 2, width)
+        for row in range(max(begin, top), min(begin + 2, top + rows)):
+            at = 2 * (row & 1) * size + (begin // 2 + 1) * stride + low // 2
+            interleave(line, total, x, at, (high - low + 1) // 2, size, channels)
+            add_line(target, line, ((row - top) * width + low) * channels, (high - low) * channels)
 
 
 @loops
@@ -96,6 +148,47 @@ def round_into(picture, marks, values, region, left, largest):
         more, bits = round_row(target, flat, marks, to, row * width * channels, width * channels, largest)
         clipped += more
         furthest = largest_of(furthest, bits)
+    return np.float64(clipped), np.float64(float32_of(furthest))
+
+
+@loops
+def round_sum(target, source, line, marks, to, at, n, largest):
+    """target[to : to + n] = source from `at` on, an integer each, + line, rounded, where marked; else as `round_row`."""
+    to, at = u(to), u(at)
+    clipped, furthest = np.int32(0), np.int32(0)
+    for i in range(u(n)):
+        value, marked = np.float32(source[at + i]) + line[i], marks[i] != 0
+        beyond = beyond_range(value, largest) if marked else largest - largest
+        clipped = np.int32(clipped + np.int32(beyond > 0.5))
+        furthest = largest_of(furthest, float32_bits(beyond))
+        target[to + i] = rounded(value, largest) if marked else np.int32(target[to + i])
+    return clipped, furthest
+
+
+@jit
+def round_solution(picture, base, marks, line, total, x, region, corners, largest, first, end, runs, table):
+    """`add_solution` to the base and `round_into` in one: picture = base + (total + x) in rows first ... end of the region.
+
+    picture, base: (H, W, channels) integers.  marks, line: scratch for (width + 1) * channels bytes and float32.
+    region: (height, width) bool.  corners: where it lies on picture and on base, row and column.  `first` is even.
+    runs: those of the rows.  Returns what `round_into` returns.
+    """
+    channels, width = picture.shape[2], region.shape[1]
+    stride, size = table[0, STRIDE], table[0, QUARTER]
+    target, source, inside = picture.reshape(-1), base.reshape(-1), region.reshape(-1)
+    clipped, furthest = np.int64(0), np.int32(0)
+    for k in range(runs.shape[0]):
+        begin = np.int64(runs[k, 0]) * 2
+        low, high = np.int64(runs[k, 1]) * 2, min(np.int64(runs[k, 2]) * 2, width)
+        for row in range(max(begin, first), min(begin + 2, end)):
+            at = 2 * (row & 1) * size + (begin // 2 + 1) * stride + low // 2
+            interleave(line, total, x, at, (high - low + 1) // 2, size, channels)
+            mark_values(marks, inside, row * width + low, high - low, channels)
+            to = ((corners[0] + row) * picture.shape[1] + corners[1] + low) * channels
+            of = ((corners[2] + row) * base.shape[1] + corners[3] + low) * channels
+            more, bits = round_sum(target, source, line, marks, to, of, (high - low) * channels, largest)
+            clipped += more
+            furthest = largest_of(furthest, bits)
     return np.float64(clipped), np.float64(float32_of(furthest))
 
 
