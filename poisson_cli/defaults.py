@@ -20,7 +20,7 @@ __all__ = [
 TOLERANCE: Final = 2e-4
 """Largest error allowed in any pixel, in levels; that of ``solvers``."""
 
-CYCLE: Final = "F"
+CYCLE: Final = "D"
 """Multigrid cycle; that of ``solvers``."""
 
 THRESHOLD: Final = 128

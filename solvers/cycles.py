@@ -1,4 +1,4 @@
-"""V-, F- and W-cycles, each written as the list of its steps.
+"""V-, D-, F- and W-cycles, each written as the list of its steps.
 
 A step names what to do and on which level:
 
@@ -29,11 +29,14 @@ from solvers.team import WORTH_SHARING, Band, Team
 Cycle = Literal["V", "D", "F", "W"]
 CYCLES: tuple[Cycle, ...] = get_args(Cycle)
 
-# How a cycle visits the level below: once, or twice in a row.
+# How a cycle visits the level below: once, or twice in a row.  D is two V-cycles on the first coarse level: what an
+# F-cycle does more, on the levels below, is a sixth of its time, and of use on intricate regions alone.
 VISITS: dict[Cycle, tuple[Cycle, ...]] = {"V": ("V",), "D": ("V", "V"), "F": ("F", "V"), "W": ("W", "W")}
 
-# What to go on with where a cycle contracts badly.
+# What to go on with where a cycle contracts badly,
 STRONGER: dict[Cycle, Cycle] = {"V": "F", "D": "F", "F": "W"}
+# which is no better than this.  D may lose no more than its cycles are cheaper than those of F.
+STALLING: dict[Cycle, float] = {"V": 0.4, "D": 0.15, "F": 0.4, "W": 0.4}
 
 
 DOWN, UP, TURN, EXACT = "down", "up", "turn", "exact"

@@ -1,4 +1,4 @@
-"""Multigrid: V-, F- and W-cycles on a region of any shape; its narrow parts are solved directly."""
+"""Multigrid: V-, D-, F- and W-cycles on a region of any shape; its narrow parts are solved directly."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from solvers import apart
 from solvers.canvas import Correct, Values
 from solvers.certificate import Solver, proven_error
 from solvers.correction import Correction, corrected
-from solvers.cycles import CYCLES, Cycle, Cycling
+from solvers.cycles import CYCLES, STALLING, Cycle, Cycling
 from solvers.memory import borrowed_arena
 from solvers.narrow import NarrowSolution, split
 from solvers.problem import OptionError, PoissonProblem
@@ -28,7 +28,7 @@ from solvers.tolerance import (
     rate,
 )
 
-# Contraction factors of F(1,1) lie near 0.07; below this one a measured factor is luck.
+# Contraction factors of D(1,1) and F(1,1) lie near 0.07; below this one a measured factor is luck.
 LEAST_RHO = 0.12
 # What is expected of a region that nothing is known of, and how many cycles are run without looking.
 TYPICAL_RHO = 0.08
@@ -38,9 +38,6 @@ FIRST_RHO = 0.25
 NEXT_RHO = 0.15
 # A proposal for a certificate is judged by what it proves, not by a tolerance.
 ANY_TOLERANCE = float(np.finfo(np.float64).tiny)
-# A cycle that contracts no better than this is replaced by a stronger one.
-STALLING_RHO = 0.4
-
 # A stage of float32 cycles gains this much, or what it can; see `solvers.refinement`.
 STAGE_GAIN = 2e-3
 # Rounding errors of float32 make cycles blind below this share of the solution, times the region's softness; measured.
@@ -53,7 +50,7 @@ MAX_CYCLES = 100
 def solve_multigrid(
     problem: PoissonProblem,
     *,
-    cycle: Cycle = "F",
+    cycle: Cycle = "D",
     tolerance: float = DEFAULT_TOLERANCE,
     max_iterations: int | None = None,
     threads: int | None = None,
@@ -68,9 +65,10 @@ def solve_multigrid(
     Parameters
     ----------
     problem : PoissonProblem
-    cycle : {"F", "V", "W"}
-        F contracts the error by 0.04 to 0.1 per cycle on nearly every shape of region.  V does so only on simple ones:
-        where a cycle stalls, the solver goes on with the next stronger one, and the result's method says so.
+    cycle : {"D", "V", "F", "W"}
+        F contracts the error by 0.04 to 0.1 per cycle on nearly every shape of region.  D, two V-cycles below the
+        finest level, does so on all but intricate ones and is cheaper; V needs simple ones.  Where a cycle contracts
+        badly the solver goes on with the next stronger one, and the result's method says so.
     tolerance : float
         Largest error allowed in any pixel, in levels.
     max_iterations : int, optional
@@ -140,12 +138,16 @@ def _iterate(
     """Cycles until the error is estimated to be small enough; returns the estimates."""
     floor = min(max(ROUNDING, ROUNDING * softness(correction.hierarchy)), LARGEST_FLOOR)
     rates: list[float] = []
+    known = len(cycling.names)
 
     def estimated_error(changes: list[float]) -> float:
-        observed = rate(changes)
+        nonlocal known
+        # A stronger cycle's first change is what the one before it left, and says nothing of how either contracts.
+        observed = rate(changes) if len(cycling.names) == known else None
+        known = len(cycling.names)
         if observed is not None:
             rates.append(observed)
-            if observed > STALLING_RHO:
+            if observed > STALLING[cycling.names[-1]]:
                 cycling.strengthen()
             return estimate(changes[-1], max(LEAST_RHO, next_rate(rates)))
         # What a stage begins with is what the cycles before it were slow to find.
@@ -155,7 +157,7 @@ def _iterate(
         """One cycle shows how large the error was, the others make it smaller."""
         expected = max([TYPICAL_RHO, *rates[-1:]])
         after_one = estimate(error, max(LEAST_RHO, expected))
-        if not aim < after_one < math.inf or expected > STALLING_RHO:
+        if not aim < after_one < math.inf or expected > STALLING[cycling.names[-1]]:
             return 1
         return min(1 + math.ceil(math.log(aim / after_one) / math.log(expected)), LONGEST_RUN)
 

@@ -57,7 +57,7 @@ def test_the_operator_of_every_level(shape, size):
         np.testing.assert_allclose(diagonal, grid.diagonal(), **FLOAT32)
 
 
-@pytest.mark.parametrize("cycle", ["V", "F", "W"])
+@pytest.mark.parametrize("cycle", ["V", "D", "F", "W"])
 @pytest.mark.parametrize("size", [(40, 44), (23, 30), (9, 40)], ids=str)
 @pytest.mark.parametrize("shape", WITH_A_KNOWN_PIXEL)
 def test_a_cycle_moves_every_pixel_where_the_gold_cycle_does(shape, size, cycle):

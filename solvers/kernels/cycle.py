@@ -8,7 +8,7 @@ the same bits.
 import numpy as np
 
 from solvers.kernels.policy import inlined, jit, loops
-from solvers.layout import COLS, FIRST_SEGMENT, LANES, OFFSET, QUARTER, ROWS, STRIDE
+from solvers.layout import COLS, FIRST_RUN, FIRST_SEGMENT, LANES, OFFSET, QUARTER, ROWS, STRIDE
 
 # What a step is.  A sweep from zero takes x for zero, whatever it holds; a turn ends one cycle and begins the next.
 SWEEP, SWEEP_FROM_ZERO, TURN, COARSEST = 0, 1, 2, 3
@@ -171,10 +171,10 @@ def relaxed(x, b, at, i, c):
 
 @loops
 def relax_coarse_places(x, b, at, i, c, omega):
-    """Puts it there, over-relaxed by `omega`: by 1 means that what was there may be anything."""
+    """Puts it there, over-relaxed by `omega`; None: as it is, what was there may be anything."""
     upper, lower = at[0], at[1]
     new_upper, new_lower = relaxed(x, b, at, i, c)
-    if omega == np.float32(1.0):
+    if omega is None:
         x[upper + i], x[lower + i] = new_upper, new_lower
     else:
         x[upper + i] += omega * (new_upper - x[upper + i])
@@ -228,8 +228,11 @@ def relax_segment(x, b, weight, edge_e, edge_s, segments, table, level, channels
     stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
     at, n = segments[k, 0], segments[k, 1] - segments[k, 0]
     if level > 0:
-        skip = table[1, OFFSET]
-        relax_coarse(x, b, weight, edge_e, edge_s, size, stride, channels, offset, skip, colour, at, n, omega)
+        skip, one = table[1, OFFSET], np.float32(1.0)
+        if omega == one:  # a loop of its own: LLVM would ask for it at every place
+            relax_coarse(x, b, weight, edge_e, edge_s, size, stride, channels, offset, skip, colour, at, n, None)
+        else:
+            relax_coarse(x, b, weight, edge_e, edge_s, size, stride, channels, offset, skip, colour, at, n, omega)
     elif colour == RED:
         relax_red(x, b, weight, size, stride, channels, at, n)
     else:
@@ -425,6 +428,171 @@ def prolong_segment(x, weight, scratch, runs, segments, table, level, channels, 
     )
 
 
+# --- a turn on the finest level, row by row ----------------------------------------------------------------------
+
+LAG = 3  # rows from the first half sweep of a turn to the last one
+
+# Where that is done: it may visit so many times the places of a sweep over segments,
+MORE_PLACES = 1.2
+# and a row has so many at least.
+SHORTEST_ROW = 24
+
+
+@loops
+def relax_rows(x, b, weight, size, stride, at, n, omega):
+    """Two sweeps on the finest level in one loop, on n places from `at` on and those up to three rows before them: the
+    red cells, the black ones a row before, over-relaxed by `omega`, red two rows before, black three.
+
+    Each half sweep lies as far behind the one before it as its neighbours reach, and takes what was just computed as it
+    is.  At every fourth access to memory a row is new to the first-level cache; half sweeps of their own read all their
+    rows from the second level.  Returns what `relax_finest` would, of both black half sweeps.
+
+    `x1_2` is quarter 1 two rows before, and so on.
+    """
+    row = u(stride)
+    x0, x1, x2, x3 = u(at), u(at + size), u(at + 2 * size), u(at + 3 * size)
+    x0_1, x1_1, x2_1, x3_1 = x0 - row, x1 - row, x2 - row, x3 - row
+    x0_2, x1_2, x2_2, x3_2 = x0_1 - row, x1_1 - row, x2_1 - row, x3_1 - row
+    x0_3, x1_3, x2_3, x3_3 = x0_2 - row, x1_2 - row, x2_2 - row, x3_2 - row
+    south, north = x1 + row, x3_3 - row
+    x1_west, x3_1_west, x1_2_west, x3_3_west = x1 - u(1), x3_1 - u(1), x1_2 - u(1), x3_3 - u(1)
+    x2_east, x0_1_east, x2_2_east, x0_3_east = x2 + u(1), x0_1 + u(1), x2_2 + u(1), x0_3 + u(1)
+    after = before = np.int32(0)
+    for i in range(u(n)):
+        old_1, old_2 = x[x1_1 + i], x[x2_1 + i]
+        shared = x[x1 + i] + x[x2 + i]
+        red_0 = weight[x0 + i] * (b[x0 + i] + (old_2 + x[x1_west + i]) + shared)
+        red_3 = weight[x3 + i] * (b[x3 + i] + (x[south + i] + x[x2_east + i]) + shared)
+
+        shared = x[x0_1 + i] + x[x3_1 + i]
+        black_1 = weight[x1_1 + i] * (b[x1_1 + i] + (x[x3_2 + i] + x[x0_1_east + i]) + shared)
+        black_2 = weight[x2_1 + i] * (b[x2_1 + i] + (red_0 + x[x3_1_west + i]) + shared)
+        change_1, change_2 = omega * (black_1 - old_1), omega * (black_2 - old_2)
+        after = largest_of(after, largest_of(bits_of(change_1), bits_of(change_2)))
+        black_1, black_2 = old_1 + change_1, old_2 + change_2
+
+        late_1, late_2 = x[x1_3 + i], x[x2_3 + i]
+        shared = x[x1_2 + i] + x[x2_2 + i]
+        again_0 = weight[x0_2 + i] * (b[x0_2 + i] + (late_2 + x[x1_2_west + i]) + shared)
+        again_3 = weight[x3_2 + i] * (b[x3_2 + i] + (black_1 + x[x2_2_east + i]) + shared)
+
+        shared = x[x0_3 + i] + x[x3_3 + i]
+        again_1 = weight[x1_3 + i] * (b[x1_3 + i] + (x[north + i] + x[x0_3_east + i]) + shared)
+        again_2 = weight[x2_3 + i] * (b[x2_3 + i] + (again_0 + x[x3_3_west + i]) + shared)
+        change_1, change_2 = again_1 - late_1, again_2 - late_2
+        before = largest_of(before, largest_of(bits_of(change_1), bits_of(change_2)))
+
+        x[x0 + i], x[x3 + i] = red_0, red_3
+        x[x1_1 + i], x[x2_1 + i] = black_1, black_2
+        x[x0_2 + i], x[x3_2 + i] = again_0, again_3
+        x[x1_3 + i], x[x2_3 + i] = late_1 + change_1, late_2 + change_2
+    return after, before
+
+
+@inlined
+def row_of_runs(runs, k, end, row):
+    """The first column and the end of runs k ... in a row, as far as they lie in it, and the run behind them."""
+    low, high = np.int64(0), np.int64(0)
+    if k < end and runs[k, 0] == row:
+        low = np.int64(runs[k, 1])
+    while k < end and runs[k, 0] == row:
+        high = np.int64(runs[k, 2])
+        k += 1
+    return low, high, k
+
+
+@inlined
+def together(one, other):
+    """Columns from the first one of two stretches to the end of both; one that ends at 0 is none."""
+    if one[1] == 0 or other[1] == 0:
+        return other if one[1] == 0 else one
+    return min(one[0], other[0]), max(one[1], other[1])
+
+
+@jit
+def rows_pay(runs, segments, table):
+    """Whether the finest level is better gone through by `turn_in_rows` than by `sweep`."""
+    end, visited, places = table[1, FIRST_RUN], np.int64(0), np.int64(0)
+    if end == 0:
+        return False
+    for k in range(table[1, FIRST_SEGMENT]):
+        places += segments[k, 1] - segments[k, 0]
+    first, last = np.int64(runs[0, 0]), np.int64(runs[end - 1, 0])
+    one = two = three = (np.int64(0), np.int64(0))
+    k = np.int64(0)
+    for row in range(first, last + 1):
+        low, high, k = row_of_runs(runs, k, end, row)
+        columns = together(together((low, high), one), together(two, three))
+        visited += columns[1] - columns[0]
+        one, two, three = (low, high), one, two
+    return SHORTEST_ROW * (last + 1 - first) <= visited <= MORE_PLACES * places
+
+
+@inlined
+def relax_row(x, b, weight, size, stride, colour, row, columns, omega):
+    """A half sweep over some columns of a row; returns the bit pattern of the largest change of black cells."""
+    at, n = (row + 1) * stride + columns[0], columns[1] - columns[0]
+    if colour == BLACK:
+        return relax_finest(x, b, weight, size, stride, 1, BLACK, at, n, omega)
+    relax_red(x, b, weight, size, stride, 1, at, n)
+    return np.int32(0)
+
+
+@jit
+def turn_in_rows(x, b, weight, diagonal, scratch, runs, table, channels):
+    """A turn on the finest level, the same bits as `sweep` makes of it: channel by channel, row by row.
+
+    Each row is interpolated into, relaxed by `relax_rows` and handed down as soon as can be.  The seven rows that are
+    under way, of one channel, stay in the first-level cache, where a wave of segments is kept in the second one.
+    """
+    stride, size, coarse_size = table[0, STRIDE], table[0, QUARTER], table[1, QUARTER]
+    end, one = table[1, FIRST_RUN], np.float32(1.0)
+    first, last = np.int64(runs[0, 0]), np.int64(runs[end - 1, 0])
+    corrected = after = before = np.int32(0)
+    for channel in range(channels):
+        plane = 4 * channel * size
+        own, right = x[plane : plane + 4 * size], b[plane : plane + 4 * size]
+        up = next_ = down = np.int64(0)  # the next run for interpolation, relaxation, restriction
+        row_1 = row_2 = row_3 = (np.int64(0), np.int64(0))  # columns of the rows before
+        for row in range(first, last + LAG + 2):
+            # Relaxation reads the row behind it, and at first its own.
+            while up < end and runs[up, 0] <= row + 1:
+                low, at = np.int64(runs[up, 1]), (np.int64(runs[up, 0]) + 1) * stride + runs[up, 1]
+                high = np.int64(runs[up, 2])
+                other = high - low + 3 * LANES - 1
+                blend_run(
+                    scratch, x, table, 0, channels, channel, np.int64(runs[up, 0]), low, high, 0, other
+                )
+                change = add_interpolated(
+                    x, weight, scratch, size + at, plane + size + at, size, high - low, other
+                )
+                corrected = largest_of(corrected, change)
+                up += 1
+            low, high, next_ = row_of_runs(runs, next_, end, row)
+            row_0 = (low, high)
+            if first + LAG <= row <= last:
+                low, high = together(together(row_0, row_1), together(row_2, row_3))
+                at = (row + 1) * stride + low
+                change, later = relax_rows(own, right, weight, size, stride, at, high - low, OVERRELAXATION)
+            else:
+                relax_row(own, right, weight, size, stride, RED, row, row_0, one)
+                change = relax_row(own, right, weight, size, stride, BLACK, row - 1, row_1, OVERRELAXATION)
+                relax_row(own, right, weight, size, stride, RED, row - 2, row_2, one)
+                later = relax_row(own, right, weight, size, stride, BLACK, row - 3, row_3, one)
+            after, before = largest_of(after, change), largest_of(before, later)
+            row_1, row_2, row_3 = row_0, row_1, row_2
+            # The row before the last one that is done: it reads the row behind it.
+            done = row - LAG - 1
+            while down < end and runs[down, 0] == done:
+                low, at = np.int64(runs[down, 1]), (done + 1) * stride + runs[down, 1]
+                n = np.int64(runs[down, 2]) - low
+                find_residuals_finest(scratch, own, right, diagonal, size, stride, 1, at, n)
+                to = channels * table[1, OFFSET] + 4 * channel * coarse_size + 2 * (done & 1) * coarse_size
+                hand_down(b, scratch, 0, n, to + (done // 2 + 1) * table[1, STRIDE] + low // 2, coarse_size)
+                down += 1
+    return corrected, after, before
+
+
 # --- one visit to a level ----------------------------------------------------------------------------------------
 
 
@@ -550,7 +718,9 @@ def run_steps(
     for step in range(steps.shape[0]):
         kind, level, cycle = steps[step, KIND], steps[step, LEVEL], steps[step, CYCLE]
         after = before = np.int32(0)
-        if kind == COARSEST:
+        if kind == TURN and level == 0 and steps[step, PROLONG + 1] == WHOLE and rows_pay(runs, segments, table):
+            corrected, after, before = turn_in_rows(x, b, weight, diagonal, scratch, runs, table, channels)
+        elif kind == COARSEST:
             corrected = solve_coarsest(x, b, band, cells, scratch64, table, level, channels)
         else:
             corrected, after, before = sweep(
