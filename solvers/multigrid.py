@@ -40,6 +40,10 @@ NEXT_RHO = 0.15
 ANY_TOLERANCE = float(np.finfo(np.float64).tiny)
 # A stage of float32 cycles gains this much, or what it can; see `solvers.refinement`.
 STAGE_GAIN = 2e-3
+# D-cycles need a region that is held all round, as tight as this: the largest A^-1 1 as a share of the unknowns, 1 / 4 pi
+# in a disk.  It is 0.25 in a square that is held on two sides, 1 and more where hardly a pixel is known.
+TETHERED = 0.1
+
 # Rounding errors of float32 make cycles blind below this share of the solution, times the region's softness; measured.
 ROUNDING = 6e-10
 LARGEST_FLOOR = 0.05
@@ -68,7 +72,7 @@ def solve_multigrid(
     cycle : {"D", "V", "F", "W"}
         F contracts the error by 0.04 to 0.1 per cycle on nearly every shape of region.  D, two V-cycles below the
         finest level, does so on all but intricate ones and is cheaper; V needs simple ones.  Where a cycle contracts
-        badly the solver goes on with the next stronger one, and the result's method says so.
+        badly, or D must (`TETHERED`), the next stronger one takes its place, and the result's method says so.
     tolerance : float
         Largest error allowed in any pixel, in levels.
     max_iterations : int, optional
@@ -136,7 +140,10 @@ def _iterate(
     correction: Correction, cycling: Cycling, tolerance: float, max_iterations: int, progress: Progress | None
 ) -> list[float]:
     """Cycles until the error is estimated to be small enough; returns the estimates."""
-    floor = min(max(ROUNDING, ROUNDING * softness(correction.hierarchy)), LARGEST_FLOOR)
+    soft = softness(correction.hierarchy)
+    floor = min(max(ROUNDING, ROUNDING * soft), LARGEST_FLOOR)
+    if cycling.names == ["D"] and soft > TETHERED * correction.hierarchy.unknowns[0]:
+        cycling.names = ["F"]
     rates: list[float] = []
     known = len(cycling.names)
 

@@ -58,6 +58,29 @@ def test_w_cycles_contract_within_their_budget(shape):
     assert convergence_factor(SHAPES[shape](*LARGE), "W") <= W_BUDGET
 
 
+@pytest.mark.parametrize("size", [(161, 161), (97, 250), (40, 300)], ids=str)
+@pytest.mark.parametrize("shape", ["disk", "ring", "lasso", "noise", "spiral", "edge_touching", "known_frame"])
+def test_d_cycles_contract_as_f_cycles_do_where_regions_are_simple(shape, size):
+    assert convergence_factor(SHAPES[shape](*size), "D") <= 0.13
+
+
+@pytest.mark.parametrize("shape", ["pins", "cracks"])
+def test_where_d_cycles_are_slow_f_cycles_take_over_and_no_stronger_ones(shape):
+    """The cracks of this picture are harmless.  A stronger cycle's first change is what the weaker ones left: nothing can be said of it yet."""
+    problem, answer = problem_with_known_answer(SHAPES[shape](300, 300))
+    result = solve_multigrid(problem, cycle="D", tolerance=1e-4)
+    assert result.converged
+    assert result.method == ("multigrid D, then F" if shape == "pins" else "multigrid D")
+    assert np.abs(result.solution - answer).max() <= 1e-4
+
+
+@pytest.mark.parametrize("shape", ["corner_touching", "left_half", *NEAR_SINGULAR])
+def test_regions_that_are_held_loosely_get_f_cycles_from_the_beginning(shape):
+    """Their estimates would be far below the error at first."""
+    problem, _ = problem_with_known_answer(SHAPES[shape](*LARGE))
+    assert solve_multigrid(problem, cycle="D", max_iterations=1).method == "multigrid F"
+
+
 @pytest.mark.parametrize("size", [(160, 160), (128, 128), (97, 250), (40, 300), (300, 9)], ids=str)
 @pytest.mark.parametrize("shape", ["disk", "pins", "cracks", "spiral", "corner_touching", "left_half"])
 def test_the_size_of_the_picture_does_not_slow_f_cycles_down(shape, size):

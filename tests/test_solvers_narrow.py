@@ -21,7 +21,7 @@ from solvers.memory import Arena
 from tests import oracles
 from tests.agreement import assert_rounded_right, assert_untouched
 from tests.photographs import crop
-from tests.regions import LARGE, SHAPES, SMALL, disk
+from tests.regions import LARGE, NEAR_SINGULAR, SHAPES, SMALL, disk
 from tests.test_solvers_accuracy import Case
 
 EXACT = 1e-9  # levels: ten digits more than pictures have, and what float64 is good for
@@ -189,7 +189,8 @@ def test_over_relaxation_is_as_fast_as_can_be():
     "shape", ["disk", "lasso", "noise", "checkerboard", "pins", "all_but_one_pixel", "everything"]
 )
 def test_wide_and_dense_ones_are_left_to_multigrid(shape):
-    assert solve_multigrid(Case(SHAPES[shape](*LARGE)).problem()).method == "multigrid D"
+    cycle = "F" if shape in NEAR_SINGULAR else "D"
+    assert solve_multigrid(Case(SHAPES[shape](*LARGE)).problem()).method == f"multigrid {cycle}"
 
 
 @pytest.mark.usefixtures("always")
@@ -413,7 +414,7 @@ def test_where_no_pixel_is_known_nothing_is_narrow():
     for size in ((1, 1), (1, 40), (40, 1)):
         result = solve_multigrid(Case(np.ones(size, bool)).problem())
         assert result.floating
-        assert result.method == "multigrid D"
+        assert result.method == "multigrid F"
 
 
 @pytest.mark.parametrize("shape", ["strokes_of_2_pixels", "mixture"])
