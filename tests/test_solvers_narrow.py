@@ -414,7 +414,7 @@ def test_where_no_pixel_is_known_nothing_is_narrow():
     for size in ((1, 1), (1, 40), (40, 1)):
         result = solve_multigrid(Case(np.ones(size, bool)).problem())
         assert result.floating
-        assert result.method == "multigrid F"
+        assert "directly" not in result.method
 
 
 @pytest.mark.parametrize("shape", ["strokes_of_2_pixels", "mixture"])
