@@ -12,6 +12,8 @@ from solvers.canvas import Correct, Values
 from solvers.certificate import Solver, proven_error
 from solvers.correction import Correction, corrected
 from solvers.cycles import CYCLES, STALLING, Cycle, Cycling
+from solvers.hierarchy import Hierarchy
+from solvers.kernels.setup import count_leaky
 from solvers.memory import borrowed_arena
 from solvers.narrow import NarrowSolution, split
 from solvers.problem import OptionError, PoissonProblem
@@ -43,6 +45,10 @@ STAGE_GAIN = 2e-3
 # D-cycles need a region that is held all round, as tight as this: the largest A^-1 1 as a share of the unknowns, 1 / 4 pi
 # in a disk.  It is 0.25 in a square that is held on two sides, 1 and more where hardly a pixel is known.
 TETHERED = 0.1
+# And known pixels that lie at its rim: of the cells of a grid of some hundred, with neighbours on all sides, only this
+# share may hold known pixels.  They are 3 to 6 % in lassos and rings, and 30 % where a few lines cross a square.
+LEAKY = 0.2
+SOME_HUNDRED = 1000
 
 # Rounding errors of float32 make cycles blind below this share of the solution, times the region's softness; measured.
 ROUNDING = 6e-10
@@ -142,7 +148,7 @@ def _iterate(
     """Cycles until the error is estimated to be small enough; returns the estimates."""
     soft = softness(correction.hierarchy)
     floor = min(max(ROUNDING, ROUNDING * soft), LARGEST_FLOOR)
-    if cycling.names == ["D"] and soft > TETHERED * correction.hierarchy.unknowns[0]:
+    if cycling.names == ["D"] and not _is_simple(correction.hierarchy, soft):
         cycling.names = ["F"]
     rates: list[float] = []
     known = len(cycling.names)
@@ -179,6 +185,18 @@ def _iterate(
         ahead=cycles_ahead,
         progress=progress,
     )
+
+
+def _is_simple(hierarchy: Hierarchy, soft: float) -> bool:
+    """Whether D-cycles contract as well as F-cycles; `soft` is the region's softness."""
+    h = hierarchy
+    if soft > TETHERED * h.unknowns[0]:
+        return False
+    level = next((level for level in range(1, h.n_levels) if h.unknowns[level] <= SOME_HUNDRED), None)
+    if level is None:
+        return True
+    inner, leaky = count_leaky(h.diagonal, h.edge_e, h.edge_s, h.table, level)
+    return bool(leaky <= LEAKY * inner)
 
 
 def _largest(histories: list[list[float]]) -> list[float]:
