@@ -20,7 +20,7 @@ __all__ = [
 TOLERANCE: Final = 2e-4
 """Largest error allowed in any pixel, in levels; that of ``solvers``."""
 
-CYCLE: Final = "D"
+CYCLE: Final = "F"
 """Multigrid cycle; that of ``solvers``."""
 
 THRESHOLD: Final = 128

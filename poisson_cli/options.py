@@ -504,7 +504,7 @@ solver: Final = _bundle(
         ),
         click.option(
             "--cycle",
-            type=click.Choice(["V", "D", "F", "W"]),
+            type=click.Choice(["V", "F", "W"]),
             default=defaults.CYCLE,
             show_default=True,
             help="Order in which multigrid visits its grids.",

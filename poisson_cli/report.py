@@ -100,7 +100,7 @@ def line(summary: Summary) -> str:
     Returns
     -------
     str
-        Such as ``clone: 12,345 pixels at 40,60 (200x180), multigrid D x 6, error < 0.0002 levels, 31 ms -> out.png``.
+        Such as ``clone: 12,345 pixels at 40,60 (200x180), multigrid F x 6, error < 0.0002 levels, 31 ms -> out.png``.
     """
     edit = summary.edit
     row, col, height, width = edit.rectangle

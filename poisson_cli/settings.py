@@ -162,7 +162,7 @@ class Solver(NamedTuple):
     solver
         ``"multigrid"`` or ``"sor"``.
     cycle
-        ``"V"``, ``"D"``, ``"F"`` or ``"W"``; multigrid only.
+        ``"V"``, ``"F"`` or ``"W"``; multigrid only.
     tolerance
         Largest error allowed in any pixel, in levels (1/255 of full scale).
     max_iterations
@@ -174,7 +174,7 @@ class Solver(NamedTuple):
     """
 
     solver: Literal["multigrid", "sor"] = "multigrid"
-    cycle: Literal["V", "D", "F", "W"] = defaults.CYCLE
+    cycle: Literal["V", "F", "W"] = defaults.CYCLE
     tolerance: float = defaults.TOLERANCE
     max_iterations: int | None = None
     threads: int | None = None

@@ -1,4 +1,4 @@
-"""V-, D-, F- and W-cycles, each written as the list of its steps.
+"""V-, F- and W-cycles, each written as the list of its steps.
 
 A step names what to do and on which level:
 
@@ -26,17 +26,14 @@ from solvers.kernels import cycle as kernels
 from solvers.layout import FIRST_SEGMENT, LANES, STRIDE, Float32, aligned_zeros
 from solvers.team import WORTH_SHARING, Band, Team
 
-Cycle = Literal["V", "D", "F", "W"]
+Cycle = Literal["V", "F", "W"]
 CYCLES: tuple[Cycle, ...] = get_args(Cycle)
 
-# How a cycle visits the level below: once, or twice in a row.  D is two V-cycles on the first coarse level: what an
-# F-cycle does more, on the levels below, is a sixth of its time, and of use on intricate regions alone.
-VISITS: dict[Cycle, tuple[Cycle, ...]] = {"V": ("V",), "D": ("V", "V"), "F": ("F", "V"), "W": ("W", "W")}
+# How a cycle visits the level below: once, or twice in a row.
+VISITS: dict[Cycle, tuple[Cycle, ...]] = {"V": ("V",), "F": ("F", "V"), "W": ("W", "W")}
 
-# What to go on with where a cycle contracts badly,
-STRONGER: dict[Cycle, Cycle] = {"V": "F", "D": "F", "F": "W"}
-# which is no better than this.  D may lose no more than its cycles are cheaper than those of F.
-STALLING: dict[Cycle, float] = {"V": 0.4, "D": 0.15, "F": 0.4, "W": 0.4}
+# What to go on with where a cycle contracts badly.
+STRONGER: dict[Cycle, Cycle] = {"V": "F", "F": "W"}
 
 
 DOWN, UP, TURN, EXACT = "down", "up", "turn", "exact"

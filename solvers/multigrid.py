@@ -1,4 +1,4 @@
-"""Multigrid: V-, D-, F- and W-cycles on a region of any shape; its narrow parts are solved directly."""
+"""Multigrid: V-, F- and W-cycles on a region of any shape; its narrow parts are solved directly."""
 
 from __future__ import annotations
 
@@ -11,9 +11,7 @@ from solvers import apart
 from solvers.canvas import Correct, Values
 from solvers.certificate import Solver, proven_error
 from solvers.correction import Correction, corrected
-from solvers.cycles import CYCLES, STALLING, Cycle, Cycling
-from solvers.hierarchy import Hierarchy
-from solvers.kernels.setup import count_leaky
+from solvers.cycles import CYCLES, Cycle, Cycling
 from solvers.memory import borrowed_arena
 from solvers.narrow import NarrowSolution, split
 from solvers.problem import OptionError, PoissonProblem
@@ -30,7 +28,7 @@ from solvers.tolerance import (
     rate,
 )
 
-# Contraction factors of D(1,1) and F(1,1) lie near 0.07; below this one a measured factor is luck.
+# Contraction factors of F(1,1) lie near 0.07; below this one a measured factor is luck.
 LEAST_RHO = 0.12
 # What is expected of a region that nothing is known of, and how many cycles are run without looking.
 TYPICAL_RHO = 0.08
@@ -40,16 +38,11 @@ FIRST_RHO = 0.25
 NEXT_RHO = 0.15
 # A proposal for a certificate is judged by what it proves, not by a tolerance.
 ANY_TOLERANCE = float(np.finfo(np.float64).tiny)
+# A cycle that contracts no better than this is replaced by a stronger one.
+STALLING_RHO = 0.4
+
 # A stage of float32 cycles gains this much, or what it can; see `solvers.refinement`.
 STAGE_GAIN = 2e-3
-# D-cycles need a region that is held all round, as tight as this: the largest A^-1 1 as a share of the unknowns, 1 / 4 pi
-# in a disk.  It is 0.25 in a square that is held on two sides, 1 and more where hardly a pixel is known.
-TETHERED = 0.1
-# And known pixels that lie at its rim: of the cells of a grid of some hundred, with neighbours on all sides, only this
-# share may hold known pixels.  They are 3 to 6 % in lassos and rings, and 30 % where a few lines cross a square.
-LEAKY = 0.2
-SOME_HUNDRED = 1000
-
 # Rounding errors of float32 make cycles blind below this share of the solution, times the region's softness; measured.
 ROUNDING = 6e-10
 LARGEST_FLOOR = 0.05
@@ -60,7 +53,7 @@ MAX_CYCLES = 100
 def solve_multigrid(
     problem: PoissonProblem,
     *,
-    cycle: Cycle = "D",
+    cycle: Cycle = "F",
     tolerance: float = DEFAULT_TOLERANCE,
     max_iterations: int | None = None,
     threads: int | None = None,
@@ -75,10 +68,9 @@ def solve_multigrid(
     Parameters
     ----------
     problem : PoissonProblem
-    cycle : {"D", "V", "F", "W"}
-        F contracts the error by 0.04 to 0.1 per cycle on nearly every shape of region.  D, two V-cycles below the
-        finest level, does so on all but intricate ones and is cheaper; V needs simple ones.  Where a cycle contracts
-        badly, or D must (`TETHERED`), the next stronger one takes its place, and the result's method says so.
+    cycle : {"F", "V", "W"}
+        F contracts the error by 0.04 to 0.1 per cycle on nearly every shape of region.  V does so only on simple ones:
+        where a cycle stalls, the solver goes on with the next stronger one, and the result's method says so.
     tolerance : float
         Largest error allowed in any pixel, in levels.
     max_iterations : int, optional
@@ -146,10 +138,7 @@ def _iterate(
     correction: Correction, cycling: Cycling, tolerance: float, max_iterations: int, progress: Progress | None
 ) -> list[float]:
     """Cycles until the error is estimated to be small enough; returns the estimates."""
-    soft = softness(correction.hierarchy)
-    floor = min(max(ROUNDING, ROUNDING * soft), LARGEST_FLOOR)
-    if cycling.names == ["D"] and not _is_simple(correction.hierarchy, soft):
-        cycling.names = ["F"]
+    floor = min(max(ROUNDING, ROUNDING * softness(correction.hierarchy)), LARGEST_FLOOR)
     rates: list[float] = []
     known = len(cycling.names)
 
@@ -160,7 +149,7 @@ def _iterate(
         known = len(cycling.names)
         if observed is not None:
             rates.append(observed)
-            if observed > STALLING[cycling.names[-1]]:
+            if observed > STALLING_RHO:
                 cycling.strengthen()
             return estimate(changes[-1], max(LEAST_RHO, next_rate(rates)))
         # What a stage begins with is what the cycles before it were slow to find.
@@ -170,7 +159,7 @@ def _iterate(
         """One cycle shows how large the error was, the others make it smaller."""
         expected = max([TYPICAL_RHO, *rates[-1:]])
         after_one = estimate(error, max(LEAST_RHO, expected))
-        if not aim < after_one < math.inf or expected > STALLING[cycling.names[-1]]:
+        if not aim < after_one < math.inf or expected > STALLING_RHO:
             return 1
         return min(1 + math.ceil(math.log(aim / after_one) / math.log(expected)), LONGEST_RUN)
 
@@ -185,18 +174,6 @@ def _iterate(
         ahead=cycles_ahead,
         progress=progress,
     )
-
-
-def _is_simple(hierarchy: Hierarchy, soft: float) -> bool:
-    """Whether D-cycles contract as well as F-cycles; `soft` is the region's softness."""
-    h = hierarchy
-    if soft > TETHERED * h.unknowns[0]:
-        return False
-    level = next((level for level in range(1, h.n_levels) if h.unknowns[level] <= SOME_HUNDRED), None)
-    if level is None:
-        return True
-    inner, leaky = count_leaky(h.diagonal, h.edge_e, h.edge_s, h.table, level)
-    return bool(leaky <= LEAKY * inner)
 
 
 def _largest(histories: list[list[float]]) -> list[float]:

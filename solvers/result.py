@@ -29,7 +29,7 @@ class SolveResult(NamedTuple):
     history : tuple of float
         The estimate after each cycle, or after each group of sweeps, in levels; one if there was none.
     method : str
-        For example ``"multigrid D"``, ``"directly and by multigrid D"``, ``"directly"``, ``"directly and by sor"`` or
+        For example ``"multigrid F"``, ``"directly and by multigrid F"``, ``"directly"``, ``"directly and by sor"`` or
         ``"sor omega=1.97"``.
     unknowns : int
         Unknown pixels.

@@ -160,7 +160,7 @@ def grids(region: Array) -> list[Grid]:
 
 
 class Multigrid:
-    """V-, D-, F- and W-cycles with one red-black Gauss-Seidel sweep before and one after."""
+    """V-, F- and W-cycles with one red-black Gauss-Seidel sweep before and one after."""
 
     def __init__(self, region: Array) -> None:
         levels = grids(region)
@@ -183,7 +183,7 @@ class Multigrid:
         self.sweep(level, u, b)
         coarse_b = self.down[level] @ (b - self.matrices[level] @ u)
         coarse_u = np.zeros_like(coarse_b)
-        visits = {"V": "V", "D": "VV", "F": "FV", "W": "WW"}[kind]
+        visits = {"V": "V", "F": "FV", "W": "WW"}[kind]
         visits = visits if level + 2 < len(self.matrices) else visits[:1]
         for k, visit in enumerate(visits):
             self.cycle(visit, coarse_u, coarse_b, level + 1, last=k == len(visits) - 1)

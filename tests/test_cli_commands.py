@@ -430,7 +430,7 @@ def test_one_line_says_what_was_done(folder, poisson):
     assert (rows.min(), np.ptp(rows) + 1, cols.min(), np.ptp(cols) + 1) == (5, 15, 6, 19)
     ran = poisson(*CLONE, "--at", "-2,3", "-o", "out.png")
     assert re.fullmatch(
-        rf"clone: {MASK.sum():,} pixels at 4,8 \(19x15\), multigrid D x \d+, error < 0\.000\d+ levels, "
+        rf"clone: {MASK.sum():,} pixels at 4,8 \(19x15\), multigrid F x \d+, error < 0\.000\d+ levels, "
         r"(\d+ values? clipped, )?\d+ ms -> out\.png\n",
         ran.err,
     )
@@ -470,8 +470,8 @@ def test_json_is_one_object_with_everything(folder, poisson):
         "rectangle": {"x": 0, "y": 10, "width": 13, "height": 15},
         "unknowns": report.unknowns,
         "solver": "multigrid",
-        "cycle": "D",
-        "method": "multigrid D",
+        "cycle": "F",
+        "method": "multigrid F",
         "iterations": report.iterations,
         "tolerance": 0.001,
         "error_estimate": report.error_estimate,

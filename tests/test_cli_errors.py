@@ -94,7 +94,7 @@ USAGE = {
     "no iterations": ([*FILL, "--max-iterations", "0"], "'0' is not a whole number from 1"),
     "no threads": ([*FILL, "--threads", "0"], "'0' is not a whole number from 1"),
     "unknown solver": ([*FILL, "--solver", "jacobi"], "'jacobi' is not one of 'multigrid', 'sor'"),
-    "unknown cycle": ([*FILL, "--cycle", "X"], "'X' is not one of 'V', 'D', 'F', 'W'"),
+    "unknown cycle": ([*FILL, "--cycle", "X"], "'X' is not one of 'V', 'F', 'W'"),
     "cycle of sor": ([*FILL, "--solver", "sor", "--cycle", "F"], "--cycle belongs to --solver multigrid"),
     "unknown gradients": ([*CLONE, "--gradients", "mixed"], "'mixed' is not one of 'source', 'average'"),
     "mask on nothing": ([*CLONE, "--mask-on", "output"], "'output' is not one of 'source', 'destination'"),

@@ -83,7 +83,7 @@ def test_help_has_an_example_and_the_defaults(command):
     text = poisson(command, "--help").stdout
     assert f"\n    poisson {command} " in text
     flat = " ".join(text.split())
-    for default in ("rgb", "multigrid", "D", "0.0002", *(["128"] if command != "tonemap" else [])):
+    for default in ("rgb", "multigrid", "F", "0.0002", *(["128"] if command != "tonemap" else [])):
         assert f"[default: {default}]" in flat
 
 

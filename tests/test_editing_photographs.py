@@ -227,7 +227,7 @@ def test_the_report_of_a_clone():
     assert report.tool == "clone"
     assert report.rectangle == (15, 27, 15, 40)
     assert report.unknowns == 15 * 40
-    assert report.solver == "multigrid" and report.cycle == "D"
+    assert report.solver == "multigrid" and report.cycle == "F"
     assert 0 < report.iterations < 15
     assert report.error_estimate <= report.tolerance
     assert not report.floating

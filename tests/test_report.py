@@ -16,8 +16,8 @@ EDIT = EditReport(
     rectangle=(60, 40, 180, 200),
     unknowns=12345,
     solver="multigrid",
-    cycle="D",
-    method="multigrid D",
+    cycle="F",
+    method="multigrid F",
     iterations=6,
     tolerance=5e-4,
     error_estimate=1.53e-4,
@@ -43,7 +43,7 @@ def changed(**changes: object) -> Summary:
 
 def test_the_line():
     assert report.line(SUMMARY) == (
-        "clone: 12,345 pixels at 40,60 (200x180), multigrid D x 6, error < 0.0002 levels, 31 ms -> out.png"
+        "clone: 12,345 pixels at 40,60 (200x180), multigrid F x 6, error < 0.0002 levels, 31 ms -> out.png"
     )
 
 
@@ -52,7 +52,7 @@ def test_the_line():
     [
         ({"unknowns": 1}, "clone: 1 pixel at"),
         ({"method": "multigrid V, then F"}, ", multigrid V then F x 6, "),
-        ({"method": "directly and by multigrid D"}, ", directly and by multigrid D x 6, "),
+        ({"method": "directly and by multigrid F"}, ", directly and by multigrid F x 6, "),
         ({"method": "directly", "iterations": 0}, ", directly, "),
         ({"solver": "sor", "cycle": None, "method": "sor omega=1.96", "iterations": 400}, ", sor x 400, "),
         ({"error_estimate": 0.0}, ", error < 0.000001 levels, "),
@@ -94,7 +94,7 @@ def test_the_details():
         "  selected  13,000 pixels, 12,345 of them inside the picture",
         "  mismatch  12.3, 6.0, 0.0 levels between source and destination along the boundary, mean; "
         "exceptional at 1.2% of it",
-        "  method    multigrid D",
+        "  method    multigrid F",
         "  error     0.00015 levels estimated, 0.0005 allowed",
         "  clipped   1 value outside the picture's range, by 2.3 levels at most",
         "  stages    read 10 ms, solve 20 ms, write 1 ms",

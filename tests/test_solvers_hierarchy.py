@@ -57,7 +57,7 @@ def test_the_operator_of_every_level(shape, size):
         np.testing.assert_allclose(diagonal, grid.diagonal(), **FLOAT32)
 
 
-@pytest.mark.parametrize("cycle", ["V", "D", "F", "W"])
+@pytest.mark.parametrize("cycle", ["V", "F", "W"])
 @pytest.mark.parametrize("size", [(40, 44), (23, 30), (9, 40)], ids=str)
 @pytest.mark.parametrize("shape", WITH_A_KNOWN_PIXEL)
 def test_a_cycle_moves_every_pixel_where_the_gold_cycle_does(shape, size, cycle):
@@ -69,12 +69,10 @@ def test_a_cycle_moves_every_pixel_where_the_gold_cycle_does(shape, size, cycle)
     rounding = ROUNDING_NEAR_SINGULAR if shape in NEAR_SINGULAR else ROUNDING
     b = multigrid.matrices[0] @ answer[region]
     for cycles in (1, 2):
-        result = solve_multigrid(problem, cycle=cycle, tolerance=1e-12, max_iterations=cycles, direct=False)
-        taken = result.method.removeprefix("multigrid ")
-        assert taken == cycle or (cycle == "D" and taken == "F")  # on a region that is not simple
         u = np.zeros(int(region.sum()))
         for k in range(cycles):
-            multigrid.cycle(taken, u, b, last=k == cycles - 1)
+            multigrid.cycle(cycle, u, b, last=k == cycles - 1)
+        result = solve_multigrid(problem, cycle=cycle, tolerance=1e-12, max_iterations=cycles, direct=False)
         np.testing.assert_allclose(result.solution[region], u, rtol=0, atol=rounding)
 
 

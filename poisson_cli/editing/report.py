@@ -128,7 +128,7 @@ def report_on(
         tool=tool,
         unknowns=result.unknowns,
         solver=solver,
-        cycle=options.get("cycle", "D") if solver == "multigrid" else None,
+        cycle=options.get("cycle", "F") if solver == "multigrid" else None,
         method=result.method,
         iterations=result.iterations,
         tolerance=result.tolerance,

@@ -14,8 +14,8 @@ class SolverOptions(TypedDict, total=False):
     """Keywords of every tool.
 
     solver : {"multigrid", "sor"}
-        V-, D-, F- or W-cycle multigrid, or Gauss-Seidel with successive over-relaxation.
-    cycle : {"D", "V", "F", "W"}
+        V-, F- or W-cycle multigrid, or Gauss-Seidel with successive over-relaxation.
+    cycle : {"F", "V", "W"}
         Multigrid only.
     tolerance : float
         Largest error allowed in any pixel, in levels (1/255 of full scale).
@@ -42,7 +42,7 @@ def solve(
     problem: PoissonProblem,
     *,
     solver: Solver = "multigrid",
-    cycle: Cycle = "D",
+    cycle: Cycle = "F",
     tolerance: float = DEFAULT_TOLERANCE,
     max_iterations: int | None = None,
     threads: int | None = None,

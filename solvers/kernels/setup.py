@@ -552,25 +552,6 @@ def factor_coarsest(band, cells, number, diagonal, edge_e, edge_s, table, level)
     factor_band(band)
 
 
-@jit
-def count_leaky(diagonal, edge_e, edge_s, table, level):
-    """How many cells of a coarse level have four neighbours, and how many of these hold a known value all the same."""
-    height, width = table[level, HEIGHT], table[level, WIDTH]
-    stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
-    edges = offset - table[1, OFFSET]
-    inner = leaky = np.int64(0)
-    for row in range(1, height):
-        for col in range(1, width):
-            at = place_of(row, col, stride, size)
-            east, south = edge_e[edges + at], edge_s[edges + at]
-            west = edge_e[edges + place_of(row, col - 1, stride, size)]
-            north = edge_s[edges + place_of(row - 1, col, stride, size)]
-            if min(min(east, south), min(west, north)) > 0:
-                inner += 1
-                leaky += diagonal[offset + at] > (east + south) + (west + north)
-    return inner, leaky
-
-
 # --- the boundary ------------------------------------------------------------------------------------------------
 
 
