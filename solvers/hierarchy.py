@@ -184,7 +184,7 @@ def build_hierarchy(
 
     def coarsen(part: NDArray[np.int32], level: int) -> None:
         if level == 1:
-            setup.coarsen_region(*conductances, aligned_zeros(18 * stride), weight, part, table)
+            setup.coarsen_region(*conductances, aligned_zeros(6 * stride), weight, part, table)
         else:
             setup.coarsen(*conductances, aligned_zeros(stride), part, table, level - 1)
 
@@ -201,7 +201,7 @@ def build_hierarchy(
         ]
         unknowns[level] = sum(int(n) for n in team.run(setup.weigh, weighed))
         level += 1
-    scratch = aligned_zeros(18 * stride)
+    scratch = aligned_zeros(6 * stride)
     fields = unknowns, weight, diagonal, mass, *conductances, scratch, runs, segments, table
     n_levels = int(setup.build_levels(*fields, level, EXACT_UNKNOWNS))
 
@@ -235,12 +235,16 @@ def _finest_runs(region: NDArray[np.bool_], team: Team) -> NDArray[np.int32]:
     bands = team.rows(len(region), region.size)
     # Mostly one or two in a row of places; where there are more they are counted first.
     found = [np.empty((end - first, 3), np.int32) for first, end in bands]
-    work = [(part, region[first:end], RUN_GAP) for part, (first, end) in zip(found, bands, strict=True)]
-    counts = team.run(setup.find_runs, work)
+
+    def find(part: NDArray[np.int32], first: int, end: int) -> int:
+        words = np.zeros(region.shape[1] // 16 + 1, np.int64)
+        return int(setup.find_runs(part, words, words.view(np.uint8), region[first:end], RUN_GAP))
+
+    counts = team.run(find, [(part, *band) for part, band in zip(found, bands, strict=True)])
     for k, (part, (first, end)) in enumerate(zip(found, bands, strict=True)):
         if counts[k] > len(part):
             part = np.empty((counts[k], 3), np.int32)
-            setup.find_runs(part, region[first:end], RUN_GAP)
+            find(part, first, end)
         part[:, 0] += first // 2
         found[k] = part[: counts[k]]
     return found[0] if len(found) == 1 else np.concatenate(found)

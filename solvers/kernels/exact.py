@@ -258,16 +258,17 @@ def residual_of(b, x, diagonal, size, stride, plane, colour, at, n, keep):
 
 @jit
 def subtract_image(b, x, diagonal, segments, table, channels, keep):
-    """b - A x on the finest level, in float64.
+    """b - A x on the finest level, in float64: it takes the place of b.
 
-    With `keep` returns the bit pattern of the largest absolute value; else b becomes what is computed.
+    With `keep` b stays, and the bit pattern of the largest absolute value among the red cells is returned.  What a
+    black cell holds is part of its neighbours' residuals, and every iteration ends with the black ones.
     """
     stride, size = table[0, STRIDE], table[0, QUARTER]
     largest = np.int64(0)
     for k in range(segments.shape[0]):
         at, n = segments[k, 0], segments[k, 1] - segments[k, 0]
         for channel in range(channels):
-            for colour in range(2):
+            for colour in range(1 if keep else 2):
                 bits = residual_of(b, x, diagonal, size, stride, 4 * channel * size, colour, at, n, keep)
                 largest = largest_of(largest, bits)
     return largest

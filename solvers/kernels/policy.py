@@ -23,7 +23,7 @@ ENTRY_POINTS = {
     "assemble": [_ASSEMBLE.format(v="f4")],
     "subtract_image": ["f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8, b1 -> i8"],
     "add_solution": [_ADD_SOLUTION.format(v="f4")],
-    "find_runs": ["i4[:,:], b1[:,:], i8 -> i8"],
+    "find_runs": ["i4[:,:], i8[:], u1[:], b1[:,:], i8 -> i8"],
     "weigh_region": ["f4[:], f4[:], b1[:,:], i4[:,:], i8[:,:]"],
     "relax_over": ["f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8, i8, f4, i8, i8"],
     "find_rim": ["i8[:], i8[:], b1[:,:], i8[:], u1[:] -> i8"],

@@ -23,24 +23,42 @@ u = np.uint64  # what arrays are indexed with, see solvers.kernels
 # --- runs --------------------------------------------------------------------------------------------------------
 
 
+@loops
+def mark_pairs(marks, region, upper, lower, n):
+    """marks = 1 for each of n blocks of 2 x 2 pixels that holds an unknown one, else 0."""
+    upper, lower = u(upper), u(lower)
+    for i in range(u(n)):
+        above = region[upper + i + i] | region[upper + i + i + u(1)]
+        marks[i] = np.uint8(above | region[lower + i + i] | region[lower + i + i + u(1)])
+
+
 @jit
-def find_runs(runs, region, gap):
+def find_runs(runs, words, marks, region, gap):
     """Runs of the finest level; returns their number.
 
-    runs: (n, 3) int32, written as far as it goes: pass one without rows to count only.  region: (height, width) bool.
-    gap: stretches with fewer empty places between them become one run.
+    runs: (n, 3) int32, written as far as it goes: pass one without rows to count only.  words: int64 zeros, enough for a
+    row of places in bytes.  marks: the same memory as bytes.  region: (height, width) bool.  gap: stretches with fewer
+    empty places between them become one run.
     """
     height, width = region.shape
-    cols = (width + 1) // 2
-    room = runs.shape[0]
-    count = 0
+    cols, full = (width + 1) // 2, np.int64(0x0101010101010101)
+    flat = region.reshape(-1)
+    room, count = runs.shape[0], 0
     for row in range((height + 1) // 2):
-        upper = region[2 * row]
-        lower = region[min(2 * row + 1, height - 1)]
+        upper, lower = 2 * row * width, min(2 * row + 1, height - 1) * width
+        mark_pairs(marks, flat, upper, lower, width // 2)
+        if width & 1:
+            marks[cols - 1] = np.uint8(flat[upper + width - 1] | flat[lower + width - 1])
         low = high = -1  # the open run
-        for col in range(cols):
-            left, right = 2 * col, min(2 * col + 1, width - 1)
-            if upper[left] | upper[right] | lower[left] | lower[right]:
+        for word in range((cols + 7) // 8):
+            if words[word] == 0:
+                continue
+            if words[word] == full and high == 8 * word:
+                high += 8
+                continue
+            for col in range(8 * word, min(8 * word + 8, cols)):
+                if marks[col] == 0:
+                    continue
                 if high >= 0 and col - high >= gap:
                     if count < room:
                         runs[count, 0], runs[count, 1], runs[count, 2] = row, low, high
@@ -225,12 +243,10 @@ def moved_near(g):
     return g / max(np.float32(1.0) - np.float32(0.25) * g, g / LEAK_CAP)
 
 
-@loops
-def mark_unknown(marks, to, weight, at, n):
-    """marks[to : to + n] = 1 where the weight is positive, else 0."""
-    to, at = u(to), u(at)
-    for i in range(u(n)):
-        marks[to + i] = np.float32(1.0) if weight[at + i] > 0 else np.float32(0.0)
+@inlined
+def is_unknown(weight, at):
+    """1 where the weight is positive, else 0."""
+    return np.float32(1.0) if weight[at] > 0 else np.float32(0.0)
 
 
 @loops
@@ -243,8 +259,8 @@ def scatter_row(coarse, scratch, first, at, size, n):
 
 
 @loops
-def coarse_conductances(lines, marks, stride, n, north, south, within_s):
-    """East and south edge, and leaks to the north, south, west and east, of n blocks in the middle of the image.
+def coarse_conductances(lines, weight, at, size, stride, n, north, south, within_s):
+    """East and south edge, and leaks to the north, south, west and east, of n blocks from place `at` on.
 
     A known value beside the block moves away from its centre, one inside the block comes nearer.  north, south,
     within_s: 0 where the image ends above, below or within the block, else 1: there is no value to leak to.
@@ -253,13 +269,16 @@ def coarse_conductances(lines, marks, stride, n, north, south, within_s):
     half, away, near = half_conductance(one), moved_away(one), moved_near(one)
     step = u(stride)
     # The block's cells, and around them those above, below, west and east.
-    i_ne, i_sw, i_se = step, u(2) * step, u(3) * step
-    i_n_w, i_n_e, i_s_w, i_s_e = u(4) * step, u(5) * step, u(6) * step, u(7) * step
-    i_w_n, i_w_s, i_e_n, i_e_s = u(8) * step, u(9) * step, u(10) * step, u(11) * step
+    i_nw, i_ne, i_sw, i_se = u(at), u(at + size), u(at + 2 * size), u(at + 3 * size)
+    i_n_w, i_n_e, i_s_w, i_s_e = i_sw - step, i_se - step, i_nw + step, i_ne + step
+    i_w_n, i_w_s, i_e_n, i_e_s = i_ne - u(1), i_se - u(1), i_nw + u(1), i_sw + u(1)
     for i in range(u(n)):
-        nw, ne, sw, se = marks[i], marks[i_ne + i], marks[i_sw + i], marks[i_se + i]
-        e_n, e_s, s_w, s_e = marks[i_e_n + i], marks[i_e_s + i], marks[i_s_w + i], marks[i_s_e + i]
-        n_w, n_e, w_n, w_s = marks[i_n_w + i], marks[i_n_e + i], marks[i_w_n + i], marks[i_w_s + i]
+        nw, ne = is_unknown(weight, i_nw + i), is_unknown(weight, i_ne + i)
+        sw, se = is_unknown(weight, i_sw + i), is_unknown(weight, i_se + i)
+        n_w, n_e = is_unknown(weight, i_n_w + i), is_unknown(weight, i_n_e + i)
+        s_w, s_e = is_unknown(weight, i_s_w + i), is_unknown(weight, i_s_e + i)
+        w_n, w_s = is_unknown(weight, i_w_n + i), is_unknown(weight, i_w_s + i)
+        e_n, e_s = is_unknown(weight, i_e_n + i), is_unknown(weight, i_e_s + i)
         lines[i] = half * (ne * e_n + se * e_s)
         lines[step + i] = half * (sw * s_w + se * s_e)
         lines[u(2) * step + i] = north * away * (nw * (one - n_w) + ne * (one - n_e)) + near * (
@@ -277,48 +296,37 @@ def coarse_conductances(lines, marks, stride, n, north, south, within_s):
 
 
 @jit
-def coarsen_region(edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, scratch, weight, runs, table):
+def coarsen_region(edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, lines, weight, runs, table):
     """Conductances of level 1 from the region: `coarsen` with all fine conductances 0 or 1.
 
     The six fields begin at level 1 and hold zeros; they are written at the places of the finest level's `runs`, which
-    are the cells of level 1.  weight: the finest level's, positive where unknown.  scratch: 18 of its rows.
+    are the cells of level 1.  weight: the finest level's, positive where unknown.  lines: six of its rows, scratch.
     """
     height, width, cols = table[0, HEIGHT], table[0, WIDTH], table[0, COLS]
     stride, size = table[0, STRIDE], table[0, QUARTER]
     coarse_stride, coarse_size = table[1, STRIDE], table[1, QUARTER]
     one, zero = np.float32(1.0), np.float32(0.0)
     away, near = moved_away(one), moved_near(one)
-    marks, lines = scratch[: 12 * stride], scratch[12 * stride :]
     for k in range(runs.shape[0]):
         row, low = np.int64(runs[k, 0]), np.int64(runs[k, 1])
         n = np.int64(runs[k, 2]) - low
         at = (row + 1) * stride + low
-        mark_unknown(marks, 0, weight, at, n)
-        mark_unknown(marks, stride, weight, at + size, n)
-        mark_unknown(marks, 2 * stride, weight, at + 2 * size, n)
-        mark_unknown(marks, 3 * stride, weight, at + 3 * size, n)
-        mark_unknown(marks, 4 * stride, weight, at + 2 * size - stride, n)
-        mark_unknown(marks, 5 * stride, weight, at + 3 * size - stride, n)
-        mark_unknown(marks, 6 * stride, weight, at + stride, n)
-        mark_unknown(marks, 7 * stride, weight, at + size + stride, n)
-        mark_unknown(marks, 8 * stride, weight, at + size - 1, n)
-        mark_unknown(marks, 9 * stride, weight, at + 3 * size - 1, n)
-        mark_unknown(marks, 10 * stride, weight, at + 1, n)
-        mark_unknown(marks, 11 * stride, weight, at + 2 * size + 1, n)
         coarse_conductances(
-            lines, marks, stride, n,
+            lines, weight, at, size, stride, n,
             one if row > 0 else zero,
             one if 2 * row + 2 < height else zero,
             one if 2 * row + 1 < height else zero,
         )  # fmt: skip
         # Beyond the edge of the image there is no value: nothing counts that would lie there.
         if low == 0:
-            lines[4 * stride] -= away * (marks[0] + marks[2 * stride])
+            lines[4 * stride] -= away * (is_unknown(weight, at) + is_unknown(weight, at + 2 * size))
         last = cols - 1 - low
         if last < n and width & 1:
-            lines[5 * stride + last] -= near * (marks[last] + marks[2 * stride + last])
+            beside = is_unknown(weight, at + last) + is_unknown(weight, at + 2 * size + last)
+            lines[5 * stride + last] -= near * beside
         elif last < n:
-            lines[5 * stride + last] -= away * (marks[stride + last] + marks[3 * stride + last])
+            beside = is_unknown(weight, at + size + last) + is_unknown(weight, at + 3 * size + last)
+            lines[5 * stride + last] -= away * beside
         to = 2 * (row & 1) * coarse_size + (row // 2 + 1) * coarse_stride + low // 2
         scatter_row(edge_e, lines, 0, to, coarse_size, n)
         scatter_row(edge_s, lines, stride, to, coarse_size, n)
@@ -421,7 +429,7 @@ def build_levels(
     """The coefficients of levels from `first` on, up to the first one of at most `few` unknowns; returns its end.
 
     unknowns: (n_levels,) int64, their number per level, of which those before `first` are given.  mass: empty where
-    nothing is screened.  scratch: 18 rows of the finest level.
+    nothing is screened.  scratch: six rows of the finest level.
     """
     for level in range(first, table.shape[0] - 1):
         if unknowns[level - 1] <= few:
