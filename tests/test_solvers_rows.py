@@ -1,4 +1,4 @@
-"""A turn on the finest level row by row: the bits of the wave of segments that it stands for, on any region."""
+"""The finest level row by row: the bits of the wave of segments that it stands for, on any region."""
 
 import numpy as np
 import pytest
@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from solvers import build_hierarchy
+from solvers.cycles import DOWN, OPERATIONS, TURN, UP
 from solvers.hierarchy import Hierarchy
 from solvers.kernels import cycle as kernels
 from solvers.layout import FIRST_SEGMENT, LANES, OFFSET, QUARTER, aligned_zeros, field_size
@@ -28,10 +29,12 @@ def fields(hierarchy: Hierarchy, channels: int, seed: int = 0) -> tuple[np.ndarr
     return x, b
 
 
-def turn(hierarchy: Hierarchy, x: np.ndarray, b: np.ndarray, channels: int, end: int) -> np.ndarray:
-    """One turn on the finest level, in place; `end` is that of each operation's range.  Returns the changes."""
-    ranges = [[0, end] for _ in range((kernels.COLUMNS - kernels.PROLONG) // 2)]
-    steps = np.array([[kernels.TURN, 0, 0, *np.ravel(ranges)]], np.int64)
+def visit(kind: str, hierarchy: Hierarchy, x: np.ndarray, b: np.ndarray, channels: int, end: int) -> np.ndarray:
+    """One visit to the finest level, in place; `end` is that of each operation's range.  Returns the changes."""
+    ranges = np.zeros((kernels.COLUMNS - kernels.PROLONG) // 2 * 2, np.int64)
+    for operation in OPERATIONS[kind]:
+        ranges[2 * operation + 1] = end
+    steps = np.array([[kernels.TURN if kind == TURN else kernels.SWEEP, 0, 0, *ranges]], np.int64)
     h = hierarchy
     scratch = aligned_zeros(max(channels, 2) * (h.longest_segment + 3 * LANES))
     changes = np.zeros(CHANGES, np.int32)
@@ -46,10 +49,6 @@ def assert_same(region: np.ndarray, channels: int) -> None:
     hierarchy = build_hierarchy(region)
     if hierarchy.n_levels == 1:
         return
-    in_rows, in_waves = fields(hierarchy, channels), fields(hierarchy, channels)
-    segments = int(hierarchy.table[1, FIRST_SEGMENT])
-    told = turn(hierarchy, *in_rows, channels, kernels.WHOLE)
-    assert np.array_equal(told, turn(hierarchy, *in_waves, channels, segments))
     # What right-hand sides hold outside the region means nothing.
     inside = np.concatenate(
         [
@@ -57,9 +56,14 @@ def assert_same(region: np.ndarray, channels: int) -> None:
             for line in hierarchy.table[:-1]
         ]
     )
-    assert np.array_equal(in_rows[0].view(np.int32)[inside], in_waves[0].view(np.int32)[inside])
-    assert np.array_equal(in_rows[1].view(np.int32)[inside], in_waves[1].view(np.int32)[inside])
-    assert not in_rows[0][~inside].any()
+    for kind in (DOWN, TURN, UP):
+        in_rows, in_waves = fields(hierarchy, channels), fields(hierarchy, channels)
+        told = visit(kind, hierarchy, *in_rows, channels, kernels.WHOLE)
+        segments = int(hierarchy.table[1, FIRST_SEGMENT])
+        assert np.array_equal(told, visit(kind, hierarchy, *in_waves, channels, segments)), kind
+        for one, other in zip(in_rows, in_waves, strict=True):
+            assert np.array_equal(one.view(np.int32)[inside], other.view(np.int32)[inside]), kind
+        assert not in_rows[0][~inside].any(), kind
 
 
 def pays(region: np.ndarray) -> bool:

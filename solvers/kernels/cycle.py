@@ -428,9 +428,9 @@ def prolong_segment(x, weight, scratch, runs, segments, table, level, channels, 
     )
 
 
-# --- a turn on the finest level, row by row ----------------------------------------------------------------------
+# --- the finest level row by row ---------------------------------------------------------------------------------
 
-LAG = 3  # rows from the first half sweep of a turn to the last one
+LAG = 3  # rows from the first half sweep of a turn to the last one; from that of a sweep it is 1
 
 # Where that is done: it may visit so many times the places of a sweep over segments,
 MORE_PLACES = 1.2
@@ -439,13 +439,14 @@ SHORTEST_ROW = 24
 
 
 @loops
-def relax_rows(x, b, weight, size, stride, at, n, omega):
-    """Two sweeps on the finest level in one loop, on n places from `at` on and those up to three rows before them: the
-    red cells, the black ones a row before, over-relaxed by `omega`, red two rows before, black three.
+def relax_rows(x, b, weight, size, stride, at, n, omega, again):
+    """A sweep on the finest level in one loop, on n places from `at` on and those a row before them: the red cells, and
+    the black ones a row before, over-relaxed by `omega`.  Unless `again` is None another one follows behind, two and
+    three rows before, which is not over-relaxed.
 
     Each half sweep lies as far behind the one before it as its neighbours reach, and takes what was just computed as it
-    is.  At every fourth access to memory a row is new to the first-level cache; half sweeps of their own read all their
-    rows from the second level.  Returns what `relax_finest` would, of both black half sweeps.
+    is.  Of four accesses to memory three find their row in the first-level cache; half sweeps of their own find none.
+    Returns what `relax_finest` does, of both sweeps.
 
     `x1_2` is quarter 1 two rows before, and so on.
     """
@@ -457,7 +458,7 @@ def relax_rows(x, b, weight, size, stride, at, n, omega):
     south, north = x1 + row, x3_3 - row
     x1_west, x3_1_west, x1_2_west, x3_3_west = x1 - u(1), x3_1 - u(1), x1_2 - u(1), x3_3 - u(1)
     x2_east, x0_1_east, x2_2_east, x0_3_east = x2 + u(1), x0_1 + u(1), x2_2 + u(1), x0_3 + u(1)
-    after = before = np.int32(0)
+    first = second = np.int32(0)
     for i in range(u(n)):
         old_1, old_2 = x[x1_1 + i], x[x2_1 + i]
         shared = x[x1 + i] + x[x2 + i]
@@ -468,25 +469,26 @@ def relax_rows(x, b, weight, size, stride, at, n, omega):
         black_1 = weight[x1_1 + i] * (b[x1_1 + i] + (x[x3_2 + i] + x[x0_1_east + i]) + shared)
         black_2 = weight[x2_1 + i] * (b[x2_1 + i] + (red_0 + x[x3_1_west + i]) + shared)
         change_1, change_2 = omega * (black_1 - old_1), omega * (black_2 - old_2)
-        after = largest_of(after, largest_of(bits_of(change_1), bits_of(change_2)))
+        first = largest_of(first, largest_of(bits_of(change_1), bits_of(change_2)))
         black_1, black_2 = old_1 + change_1, old_2 + change_2
 
-        late_1, late_2 = x[x1_3 + i], x[x2_3 + i]
-        shared = x[x1_2 + i] + x[x2_2 + i]
-        again_0 = weight[x0_2 + i] * (b[x0_2 + i] + (late_2 + x[x1_2_west + i]) + shared)
-        again_3 = weight[x3_2 + i] * (b[x3_2 + i] + (black_1 + x[x2_2_east + i]) + shared)
+        if again is not None:
+            old_1, old_2 = x[x1_3 + i], x[x2_3 + i]
+            shared = x[x1_2 + i] + x[x2_2 + i]
+            again_0 = weight[x0_2 + i] * (b[x0_2 + i] + (old_2 + x[x1_2_west + i]) + shared)
+            again_3 = weight[x3_2 + i] * (b[x3_2 + i] + (black_1 + x[x2_2_east + i]) + shared)
 
-        shared = x[x0_3 + i] + x[x3_3 + i]
-        again_1 = weight[x1_3 + i] * (b[x1_3 + i] + (x[north + i] + x[x0_3_east + i]) + shared)
-        again_2 = weight[x2_3 + i] * (b[x2_3 + i] + (again_0 + x[x3_3_west + i]) + shared)
-        change_1, change_2 = again_1 - late_1, again_2 - late_2
-        before = largest_of(before, largest_of(bits_of(change_1), bits_of(change_2)))
+            shared = x[x0_3 + i] + x[x3_3 + i]
+            again_1 = weight[x1_3 + i] * (b[x1_3 + i] + (x[north + i] + x[x0_3_east + i]) + shared)
+            again_2 = weight[x2_3 + i] * (b[x2_3 + i] + (again_0 + x[x3_3_west + i]) + shared)
+            change_1, change_2 = again_1 - old_1, again_2 - old_2
+            second = largest_of(second, largest_of(bits_of(change_1), bits_of(change_2)))
+            x[x0_2 + i], x[x3_2 + i] = again_0, again_3
+            x[x1_3 + i], x[x2_3 + i] = old_1 + change_1, old_2 + change_2
 
         x[x0 + i], x[x3 + i] = red_0, red_3
         x[x1_1 + i], x[x2_1 + i] = black_1, black_2
-        x[x0_2 + i], x[x3_2 + i] = again_0, again_3
-        x[x1_3 + i], x[x2_3 + i] = late_1 + change_1, late_2 + change_2
-    return after, before
+    return first, second
 
 
 @inlined
@@ -511,7 +513,7 @@ def together(one, other):
 
 @jit
 def rows_pay(runs, segments, table):
-    """Whether the finest level is better gone through by `turn_in_rows` than by `sweep`."""
+    """Whether the finest level is better gone through by `sweep_in_rows` than by `sweep`."""
     end, visited, places = table[1, FIRST_RUN], np.int64(0), np.int64(0)
     if end == 0:
         return False
@@ -539,58 +541,67 @@ def relax_row(x, b, weight, size, stride, colour, row, columns, omega):
 
 
 @jit
-def turn_in_rows(x, b, weight, diagonal, scratch, runs, table, channels):
-    """A turn on the finest level, the same bits as `sweep` makes of it: channel by channel, row by row.
+def sweep_in_rows(x, b, weight, diagonal, scratch, runs, table, channels, begins, ends):
+    """A visit to the finest level, the same bits as `sweep` makes of it: channel by channel, row by row.
 
-    Each row is interpolated into, relaxed by `relax_rows` and handed down as soon as can be.  The seven rows that are
-    under way, of one channel, stay in the first-level cache, where a wave of segments is kept in the second one.
+    begins: a cycle begins, with a sweep and restriction.  ends: one ends, with interpolation and a sweep; before the
+    next one it is over-relaxed.  Each row is interpolated into, relaxed by `relax_rows` and handed down as soon as can
+    be.  The rows that are under way, at most seven of one channel, stay in the first-level cache, where a wave of
+    segments is kept in the second one.  Returns what `sweep` does.
     """
     stride, size, coarse_size = table[0, STRIDE], table[0, QUARTER], table[1, QUARTER]
     end, one = table[1, FIRST_RUN], np.float32(1.0)
     first, last = np.int64(runs[0, 0]), np.int64(runs[end - 1, 0])
-    corrected = after = before = np.int32(0)
+    turns, omega = begins and ends, OVERRELAXATION if begins and ends else one
+    lag = LAG if turns else 1
+    corrected = by_first = by_second = np.int32(0)
     for channel in range(channels):
         plane = 4 * channel * size
         own, right = x[plane : plane + 4 * size], b[plane : plane + 4 * size]
         up = next_ = down = np.int64(0)  # the next run for interpolation, relaxation, restriction
         row_1 = row_2 = row_3 = (np.int64(0), np.int64(0))  # columns of the rows before
-        for row in range(first, last + LAG + 2):
+        for row in range(first, last + lag + 2):
             # Relaxation reads the row behind it, and at first its own.
-            while up < end and runs[up, 0] <= row + 1:
-                low, at = np.int64(runs[up, 1]), (np.int64(runs[up, 0]) + 1) * stride + runs[up, 1]
-                high = np.int64(runs[up, 2])
-                other = high - low + 3 * LANES - 1
-                blend_run(
-                    scratch, x, table, 0, channels, channel, np.int64(runs[up, 0]), low, high, 0, other
-                )
-                change = add_interpolated(
-                    x, weight, scratch, size + at, plane + size + at, size, high - low, other
-                )
+            while ends and up < end and runs[up, 0] <= row + 1:
+                up_row, low, high = np.int64(runs[up, 0]), np.int64(runs[up, 1]), np.int64(runs[up, 2])
+                at, n = (up_row + 1) * stride + low, high - low
+                other = n + 3 * LANES - 1
+                blend_run(scratch, x, table, 0, channels, channel, up_row, low, high, 0, other)
+                change = add_interpolated(x, weight, scratch, size + at, plane + size + at, size, n, other)
                 corrected = largest_of(corrected, change)
                 up += 1
             low, high, next_ = row_of_runs(runs, next_, end, row)
             row_0 = (low, high)
-            if first + LAG <= row <= last:
-                low, high = together(together(row_0, row_1), together(row_2, row_3))
-                at = (row + 1) * stride + low
-                change, later = relax_rows(own, right, weight, size, stride, at, high - low, OVERRELAXATION)
+            change = later = np.int32(0)
+            if first + lag <= row <= last:
+                low, high = together(row_0, row_1)
+                if turns:
+                    low, high = together((low, high), together(row_2, row_3))
+                    at = (row + 1) * stride + low
+                    change, later = relax_rows(own, right, weight, size, stride, at, high - low, omega, turns)
+                else:
+                    at = (row + 1) * stride + low
+                    change, later = relax_rows(own, right, weight, size, stride, at, high - low, omega, None)
             else:
                 relax_row(own, right, weight, size, stride, RED, row, row_0, one)
-                change = relax_row(own, right, weight, size, stride, BLACK, row - 1, row_1, OVERRELAXATION)
-                relax_row(own, right, weight, size, stride, RED, row - 2, row_2, one)
-                later = relax_row(own, right, weight, size, stride, BLACK, row - 3, row_3, one)
-            after, before = largest_of(after, change), largest_of(before, later)
+                change = relax_row(own, right, weight, size, stride, BLACK, row - 1, row_1, omega)
+                if turns:
+                    relax_row(own, right, weight, size, stride, RED, row - 2, row_2, one)
+                    later = relax_row(own, right, weight, size, stride, BLACK, row - 3, row_3, one)
+            by_first, by_second = largest_of(by_first, change), largest_of(by_second, later)
             row_1, row_2, row_3 = row_0, row_1, row_2
             # The row before the last one that is done: it reads the row behind it.
-            done = row - LAG - 1
-            while down < end and runs[down, 0] == done:
-                low, at = np.int64(runs[down, 1]), (done + 1) * stride + runs[down, 1]
-                n = np.int64(runs[down, 2]) - low
+            done = row - lag - 1
+            while begins and down < end and runs[down, 0] == done:
+                low, n = np.int64(runs[down, 1]), np.int64(runs[down, 2]) - runs[down, 1]
+                at = (done + 1) * stride + low
                 find_residuals_finest(scratch, own, right, diagonal, size, stride, 1, at, n)
                 to = channels * table[1, OFFSET] + 4 * channel * coarse_size + 2 * (done & 1) * coarse_size
                 hand_down(b, scratch, 0, n, to + (done // 2 + 1) * table[1, STRIDE] + low // 2, coarse_size)
                 down += 1
-    return corrected, after, before
+    if not ends:  # the only sweep is one before
+        return corrected, by_second, by_first
+    return corrected, by_first, by_second
 
 
 # --- one visit to a level ----------------------------------------------------------------------------------------
@@ -718,8 +729,11 @@ def run_steps(
     for step in range(steps.shape[0]):
         kind, level, cycle = steps[step, KIND], steps[step, LEVEL], steps[step, CYCLE]
         after = before = np.int32(0)
-        if kind == TURN and level == 0 and steps[step, PROLONG + 1] == WHOLE and rows_pay(runs, segments, table):
-            corrected, after, before = turn_in_rows(x, b, weight, diagonal, scratch, runs, table, channels)
+        begins, ends = steps[step, RESTRICT + 1] == WHOLE, steps[step, PROLONG + 1] == WHOLE
+        if level == 0 and kind != COARSEST and (begins or ends) and rows_pay(runs, segments, table):
+            corrected, after, before = sweep_in_rows(
+                x, b, weight, diagonal, scratch, runs, table, channels, begins, ends
+            )
         elif kind == COARSEST:
             corrected = solve_coarsest(x, b, band, cells, scratch64, table, level, channels)
         else:
