@@ -44,10 +44,19 @@ LONGEST_SEGMENT = (
 
 
 class Coarsest(NamedTuple):
-    """The coarsest level's matrix, factored: see `kernels.cycle.solve_coarsest`."""
+    """The coarsest level's matrix, factored: see `kernels.cycle.solve_coarsest`.
+
+    Attributes
+    ----------
+    band : (n, bandwidth + 1) float64
+    cells : (n,) int64
+    softness : float
+        The largest value of A^-1 1 there.
+    """
 
     band: NDArray[np.float64]
     cells: NDArray[np.int64]
+    softness: float
 
 
 class Hierarchy(NamedTuple):
@@ -269,8 +278,8 @@ def _factor(diagonal: Float32, edge_e: Float32, edge_s: Float32, table: Table, n
     height, width = int(table[-2, HEIGHT]), int(table[-2, WIDTH])
     band = np.zeros((n, min(height, width) + 1))
     cells, number = np.empty(n, np.int64), np.empty(height * width, np.int64)
-    setup.factor_coarsest(band, cells, number, diagonal, edge_e, edge_s, table, len(table) - 2)
-    return Coarsest(band, cells)
+    where = diagonal, edge_e, edge_s, table, len(table) - 2
+    return Coarsest(band, cells, float(setup.factor_coarsest(band, cells, np.ones(n), number, *where)))
 
 
 def plain_level(values: Float32, table: Table, level: int, skipped: int = 0) -> Float32:

@@ -176,7 +176,7 @@ class PoissonProblem:
         """What stands for the guidance, if it was given; of mean zero if no pixel is known."""
         return gather(self.canvas).rhs
 
-    @property
+    @cached_property
     def channels(self) -> int:
         """Number of channels, 1 for (H, W) values."""
         return self.canvas.shape[2]
@@ -186,7 +186,7 @@ class PoissonProblem:
         """Number of unknown pixels."""
         return int(np.count_nonzero(self.region))
 
-    @property
+    @cached_property
     def floating(self) -> bool:
         """True where no pixel is known and nothing draws to the first guess: all but a constant is determined.
 

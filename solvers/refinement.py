@@ -11,9 +11,8 @@ and the next stage solves for what is left, which is smaller by as many digits, 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
-
-import numpy as np
 
 from solvers.correction import Correction
 from solvers.result import Progress
@@ -74,7 +73,7 @@ def solve_in_stages(
             history.append(error)
             if progress is not None:
                 progress(len(history) * iterations_per_step, float(error))
-        if not np.isfinite(changes[-1]):
+        if not math.isfinite(changes[-1]):
             break
         if error <= tolerance and (correction.exact or stage > 0):
             error = max(error, correction.least_error() / level)

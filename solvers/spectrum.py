@@ -16,9 +16,8 @@ import numpy as np
 
 from solvers.cycles import Cycling
 from solvers.hierarchy import Hierarchy
-from solvers.kernels.cycle import solve_coarsest
 from solvers.kernels.exact import subtract_image
-from solvers.layout import OFFSET, QUARTER, Float32, aligned_zeros, field_size
+from solvers.layout import Float32, aligned_zeros, field_size
 from solvers.team import Team
 
 STEPS = 6  # the Rayleigh quotient's error shrinks by about 0.15 per step; the guess is good from the start
@@ -56,17 +55,7 @@ def softness(hierarchy: Hierarchy) -> float:
     pixel is known.  Taken from the coarsest level, as if its cells were all made of equally many pixels: right within
     a factor of three where it is large, too large in regions of small parts, where it is small.
     """
-    h = hierarchy
-    coarsest, level = h.coarsest, h.n_levels - 1
-    if len(coarsest.cells) == 0:
-        return 0.0
-    table = h.table[level : level + 1].copy()  # of fields that have the coarsest level only
-    table[0, OFFSET] = 0
-    x, b = (aligned_zeros(4 * int(table[0, QUARTER])) for _ in range(2))
-    b[coarsest.cells] = h.unknowns[0] / h.unknowns[level]
-    scratch64 = np.empty(len(coarsest.cells))
-    solve_coarsest(x, b, coarsest.band, coarsest.cells, scratch64, table, 0, 1)
-    return float(x[coarsest.cells].max())
+    return hierarchy.coarsest.softness * hierarchy.unknowns[0] / max(1, hierarchy.unknowns[-1])
 
 
 def best_omega(hierarchy: Hierarchy, team: Team) -> float:

@@ -89,7 +89,7 @@ class Window:
         self.overshoot = 0.0
         self.guidance_time, self.paste_time = Stopwatch(), Stopwatch()
 
-    @property
+    @cached_property
     def shape(self) -> tuple[int, int, int]:
         """H, W, C of the window."""
         height, width = self.region.shape

@@ -517,8 +517,8 @@ def rows_pay(runs, segments, table):
     end, visited, places = table[1, FIRST_RUN], np.int64(0), np.int64(0)
     if end == 0:
         return False
-    for k in range(table[1, FIRST_SEGMENT]):
-        places += segments[k, 1] - segments[k, 0]
+    for segment in range(table[1, FIRST_SEGMENT]):
+        places += segments[segment, 1] - segments[segment, 0]
     first, last = np.int64(runs[0, 0]), np.int64(runs[end - 1, 0])
     one = two = three = (np.int64(0), np.int64(0))
     k = np.int64(0)

@@ -523,11 +523,26 @@ def place_of(row, col, stride, size):
 
 
 @jit
-def factor_coarsest(band, cells, number, diagonal, edge_e, edge_s, table, level):
+def solve_band(values, band):
+    """values = A^-1 values, by A's factor from `factor_band`.  values: (n,) float64."""
+    n, bandwidth = band.shape[0], band.shape[1] - 1
+    for i in range(n):
+        for k in range(1, min(bandwidth, i) + 1):
+            values[i] -= band[i, k] * values[i - k]
+        values[i] *= band[i, 0]
+    for i in range(n - 1, -1, -1):
+        for k in range(1, min(bandwidth, n - 1 - i) + 1):
+            values[i] -= band[i + k, k] * values[i + k]
+        values[i] *= band[i, 0]
+
+
+@jit
+def factor_coarsest(band, cells, ones, number, diagonal, edge_e, edge_s, table, level):
     """Cholesky factor of the coarsest level's matrix, its cells numbered along the longer side to keep the band narrow.
 
     band: (n, bandwidth + 1) float64 zeros, see `factor_band`.  cells: (n,) int64, where each cell lies in a channel.
-    number: as many int64 as the grid has cells, scratch.
+    ones: (n,) float64, all 1; becomes A^-1 1, the largest value of which is returned.  number: as many int64 as the
+    grid has cells, scratch.
     """
     height, width = table[level, HEIGHT], table[level, WIDTH]
     stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
@@ -558,6 +573,11 @@ def factor_coarsest(band, cells, number, diagonal, edge_e, edge_s, table, level)
                 band[count, count - before] = -edge
             count += 1
     factor_band(band)
+    solve_band(ones, band)
+    largest = 0.0
+    for i in range(count):
+        largest = max(largest, ones[i])
+    return largest
 
 
 # --- the boundary ------------------------------------------------------------------------------------------------
