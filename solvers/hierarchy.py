@@ -245,15 +245,15 @@ def _finest_runs(region: NDArray[np.bool_], team: Team) -> NDArray[np.int32]:
     # Mostly one or two in a row of places; where there are more they are counted first.
     found = [np.empty((end - first, 3), np.int32) for first, end in bands]
 
-    def find(part: NDArray[np.int32], first: int, end: int) -> int:
+    def find_runs(part: NDArray[np.int32], first: int, end: int) -> int:
         words = np.zeros(region.shape[1] // 16 + 1, np.int64)
         return int(setup.find_runs(part, words, words.view(np.uint8), region[first:end], RUN_GAP))
 
-    counts = team.run(find, [(part, *band) for part, band in zip(found, bands, strict=True)])
+    counts = team.run(find_runs, [(part, *band) for part, band in zip(found, bands, strict=True)])
     for k, (part, (first, end)) in enumerate(zip(found, bands, strict=True)):
         if counts[k] > len(part):
             part = np.empty((counts[k], 3), np.int32)
-            find(part, first, end)
+            find_runs(part, first, end)
         part[:, 0] += first // 2
         found[k] = part[: counts[k]]
     return found[0] if len(found) == 1 else np.concatenate(found)
