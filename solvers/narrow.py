@@ -205,7 +205,8 @@ def _right_hand_side(problem: PoissonProblem, parts: Parts, arena: Arena) -> NDA
     b = arena.doubles(len(parts.place), channels)
     rim = canvas.rim()
     if rim is not None:
-        kernels.sum_rim(b, parts.place, parts.near, rim.values, rim.row, rim.col, width)
+        rim_of = rim.values, rim.row, rim.col
+        kernels.sum_rim(b, arena.integers(3 * width), parts.place, parts.near, *rim_of, width)
         return b
     for band in canvas.equations(0, canvas.shape[0]):
         low, high = _within(parts.place, band.first, band.end, width)

@@ -240,35 +240,51 @@ def sum_pairs(b, place, values, across, down, rhs, height, top, low, high):
 
 
 @inlined
-def add_known(b, i, values, rows, cols, width, k, wanted):
-    """b_i += the value of the known pixel at place `wanted`, which comes k-th or later; returns which it is."""
-    while k < rows.shape[0] - 1 and rows[u(k)] * width + cols[u(k)] < wanted:
-        k += 1
-    for c in range(values.shape[1]):
-        b[u(i), u(c)] += np.float64(values[u(k), u(c)])
-    return k
+def known_of(values, i, span, c):
+    """values[i, c] of (n, span) values, 0 if i is none."""
+    value = values[u(max(i, 0) * span + c)]
+    return value if i >= 0 else 0.0
+
+
+@inlined
+def known_beside(ring, at, is_known):
+    """Which of the rim's pixels lies at a place of the ring; -1 if that pixel is none of them."""
+    which = np.int64(ring[u(at if is_known else 0)])
+    return which if is_known else np.int64(-1)
 
 
 @jit
-def sum_rim(b, place, near, values, rows, cols, width):
+def sum_rim(b, ring, place, near, values, rows, cols, width):
     """The same where the first guess and v are zero: b = the sum of the known values beside each unknown.
 
-    near: of `link`.  values: (m, channels) of the known pixels in `rows` and `cols`, in reading order: all that have an
-    unknown neighbour.
+    ring: (3 * width,) int32, scratch: of the pixels in three rows, which of the rim's each is.  near: of `link`.
+    values: (m, channels) float32 of the known pixels in `rows` and `cols`, in reading order: all that have an unknown
+    neighbour.
     """
-    north, west, east, south = np.int64(0), np.int64(0), np.int64(0), np.int64(0)
+    channels, pixels = values.shape[1], rows.shape[0]
+    flat = values.reshape(-1)
+    row, next_row = np.int64(-1), np.int64(0)
+    above = here = below = np.int64(0)  # where the rows begin in the ring
+    entered = np.int64(0)
+    ring[0] = 0
     for i in range(place.shape[0]):
         at = place[u(i)]
-        for c in range(values.shape[1]):
-            b[u(i), u(c)] = 0.0
-        if near[u(i), 0] == KNOWN:
-            north = add_known(b, i, values, rows, cols, width, north, at - width)
-        if near[u(i), 1] == KNOWN:
-            west = add_known(b, i, values, rows, cols, width, west, at - 1)
-        if near[u(i), 2] == KNOWN:
-            east = add_known(b, i, values, rows, cols, width, east, at + 1)
-        if near[u(i), 3] == KNOWN:
-            south = add_known(b, i, values, rows, cols, width, south, at + width)
+        if at >= next_row:
+            row = at // width
+            next_row = (row + 1) * width
+            above, here, below = (row + 2) % 3 * width, row % 3 * width, (row + 1) % 3 * width
+            while entered < pixels and rows[u(entered)] <= row + 1:
+                ring[u(rows[u(entered)] % 3 * width + cols[u(entered)])] = entered
+                entered += 1
+        col = at - (next_row - width)
+        north = known_beside(ring, above + col, near[u(i), 0] == KNOWN)
+        west = known_beside(ring, here + col - 1, near[u(i), 1] == KNOWN)
+        east = known_beside(ring, here + col + 1, near[u(i), 2] == KNOWN)
+        south = known_beside(ring, below + col, near[u(i), 3] == KNOWN)
+        for c in range(channels):
+            along = np.float64(known_of(flat, north, channels, c)) + np.float64(known_of(flat, south, channels, c))
+            across = np.float64(known_of(flat, west, channels, c)) + np.float64(known_of(flat, east, channels, c))
+            b[u(i), u(c)] = along + across
 
 
 @jit
@@ -341,13 +357,6 @@ def neighbours(near, i):
     for side in range(4):
         inside += near[u(i), side] != BEYOND
     return inside
-
-
-@inlined
-def known_of(values, i, span, c):
-    """values[i, c] of (n, span) values, 0 if i is none."""
-    value = values[u(max(i, 0) * span + c)]
-    return value if i >= 0 else 0.0
 
 
 @inlined
