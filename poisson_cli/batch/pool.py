@@ -14,13 +14,13 @@ from __future__ import annotations
 import contextlib
 import math
 import multiprocessing
+import selectors
 import signal
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from multiprocessing.connection import wait
 from multiprocessing.context import SpawnContext
-from typing import TYPE_CHECKING, Final, cast
+from typing import TYPE_CHECKING, Final
 
 from poisson_cli.batch import memory
 from poisson_cli.batch.task import Result, Task
@@ -196,8 +196,11 @@ class _Pool:
         self._quiet, self._begins, self._perform = quiet, begins, perform
         self._context = multiprocessing.get_context("spawn")
         self._estimate = memory.estimator()
-        self._workers = begun
+        self._workers: list[_Worker] = []
+        self._listening = selectors.DefaultSelector()  # `multiprocessing.connection.wait` makes one each time
         self._stillborn = 0
+        for worker in begun:
+            self._take_on(worker)
 
     def results(self) -> Iterator[Result]:
         """Hand out jobs and take in results until there are no more."""
@@ -211,12 +214,8 @@ class _Pool:
             yield from refused
             if not any(worker.attempts for worker in self._workers):
                 return
-            by_pipe = {worker.pipe: worker for worker in self._workers}
-            results = [
-                result
-                for pipe in wait(list(by_pipe), self._time_left())
-                for result in self._hear(by_pipe[cast("Connection", pipe)])
-            ]
+            heard = self._listening.select(self._time_left())
+            results = [result for key, _ in heard for result in self._hear(key.data)]
             results += self._stop_overdue()
 
     def close(self) -> None:
@@ -233,6 +232,13 @@ class _Pool:
                 worker.process.join(_PATIENCE)  # a process that waits for a dead disk cannot be killed
             _sweep(worker)
         self._workers.clear()
+        self._listening.close()
+
+    def _take_on(self, worker: _Worker) -> None:
+        """Listen to a worker from now on."""
+        if worker not in self._workers:
+            self._workers.append(worker)
+        self._listening.register(worker.pipe, selectors.EVENT_READ, worker)
 
     def _hand_out(self) -> Iterator[Result]:
         """Give a job to every worker that has none, as long as memory allows.
@@ -269,7 +275,9 @@ class _Pool:
                 if not worker.attempts:
                     return worker
             if len(self._workers) < self._most:
-                return _begin(self._workers, self._context, self._perform, self._quiet)
+                worker = _begin(self._workers, self._context, self._perform, self._quiet)
+                self._take_on(worker)
+                return worker
         if not self._keep_going or attempt.bytes > _SMALL or attempt.times > 1:
             return None
         for worker in self._workers:
@@ -326,6 +334,7 @@ class _Pool:
     def _bury(self, worker: _Worker, *, suspect: bool = True) -> Iterator[Result]:
         """See to the jobs of a worker that is dead; the first of them may be why."""
         self._workers.remove(worker)
+        self._listening.unregister(worker.pipe)
         worker.pipe.close()
         worker.process.join(_PATIENCE)
         code = worker.process.exitcode
