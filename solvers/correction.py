@@ -54,7 +54,7 @@ class Correction:
         self._pieces = self.team.pieces(h.finest_segments, 0, h.unknowns[0] * channels)
 
     @classmethod
-    def of(cls, problem: PoissonProblem, arena: Arena, team: Team) -> "Correction":
+    def of(cls, problem: PoissonProblem, arena: Arena, team: Team) -> Correction:
         """u = 0, with the right-hand side of the problem; it lives in the arena."""
         region = problem.region
         if problem.floating:

@@ -68,7 +68,7 @@ class Team:
 
             self._pool = futures.ThreadPoolExecutor(threads - 1)
 
-    def __enter__(self) -> "Team":
+    def __enter__(self) -> Team:
         return self
 
     def __exit__(

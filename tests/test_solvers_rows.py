@@ -29,7 +29,9 @@ def fields(hierarchy: Hierarchy, channels: int, seed: int = 0) -> tuple[np.ndarr
     return x, b
 
 
-def visit(kind: str, hierarchy: Hierarchy, x: np.ndarray, b: np.ndarray, channels: int, end: int) -> np.ndarray:
+def visit(
+    kind: str, hierarchy: Hierarchy, x: np.ndarray, b: np.ndarray, channels: int, end: int
+) -> np.ndarray:
     """One visit to the finest level, in place; `end` is that of each operation's range.  Returns the changes."""
     ranges = np.zeros((kernels.COLUMNS - kernels.PROLONG) // 2 * 2, np.int64)
     for operation in OPERATIONS[kind]:

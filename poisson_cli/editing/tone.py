@@ -130,10 +130,8 @@ def paste(picture: NDArray[Any], values: Values, region: NDArray[np.bool_], left
     return 0, overshoot / level(dtype)
 
 
-def paste_sum(
-    picture: Stored, base: Stored, correction: Addition, first: int, end: int
-) -> tuple[int, float]:
-    """The same for base + correction, in rows first ... end of the window (`first` is even), of pictures of integers."""
+def paste_sum(picture: Stored, base: Stored, correction: Addition, first: int, end: int) -> tuple[int, float]:
+    """The same for base + correction, for pictures of integers; rows first ... end of the window, `first` is even."""
     corners, largest = np.array([*picture.corner, *base.corner]), FULL_SCALE[picture.pixels.dtype.type]
     clipped, beyond = correction.round_into(picture.pixels, base.pixels, corners, largest, first, end)
     return int(clipped), beyond / level(picture.pixels.dtype)

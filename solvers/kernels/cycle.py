@@ -1,8 +1,10 @@
 """The steps of a cycle: relaxation, restriction, interpolation, exact solution.
 
 The finest level knows that all its conductances are 1.  Operations take ranges of segments, so that a caller can give
-bands to several threads or return to Python in between; a half sweep reads only the other colour, hence any split gives
-the same bits.
+bands to several threads or return to Python in between; a half sweep reads only the other colour, hence any split, and
+any order in which neighbours come before what reads them, gives the same bits.  There are two ways through a level: a
+wave of segments, all channels together, for any level and any range (`sweep`), and row by row, channel by channel, for
+the whole of a finest level whose rows are long (`sweep_in_rows`).
 """
 
 import numpy as np
@@ -230,9 +232,13 @@ def relax_segment(x, b, weight, edge_e, edge_s, segments, table, level, channels
     if level > 0:
         skip, one = table[1, OFFSET], np.float32(1.0)
         if omega == one:  # a loop of its own: LLVM would ask for it at every place
-            relax_coarse(x, b, weight, edge_e, edge_s, size, stride, channels, offset, skip, colour, at, n, None)
+            relax_coarse(
+                x, b, weight, edge_e, edge_s, size, stride, channels, offset, skip, colour, at, n, None
+            )
         else:
-            relax_coarse(x, b, weight, edge_e, edge_s, size, stride, channels, offset, skip, colour, at, n, omega)
+            relax_coarse(
+                x, b, weight, edge_e, edge_s, size, stride, channels, offset, skip, colour, at, n, omega
+            )
     elif colour == RED:
         relax_red(x, b, weight, size, stride, channels, at, n)
     else:

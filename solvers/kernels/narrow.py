@@ -282,8 +282,12 @@ def sum_rim(b, ring, place, near, values, rows, cols, width):
         east = known_beside(ring, here + col + 1, near[u(i), 2] == KNOWN)
         south = known_beside(ring, below + col, near[u(i), 3] == KNOWN)
         for c in range(channels):
-            along = np.float64(known_of(flat, north, channels, c)) + np.float64(known_of(flat, south, channels, c))
-            across = np.float64(known_of(flat, west, channels, c)) + np.float64(known_of(flat, east, channels, c))
+            along = np.float64(known_of(flat, north, channels, c)) + np.float64(
+                known_of(flat, south, channels, c)
+            )
+            across = np.float64(known_of(flat, west, channels, c)) + np.float64(
+                known_of(flat, east, channels, c)
+            )
             b[u(i), u(c)] = along + across
 
 

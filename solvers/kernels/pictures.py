@@ -153,7 +153,7 @@ def round_into(picture, marks, values, region, left, largest):
 
 @loops
 def round_sum(target, source, line, marks, to, at, n, largest):
-    """target[to : to + n] = source from `at` on, an integer each, + line, rounded, where marked; else as `round_row`."""
+    """target[to : to + n] = integers of the source from `at` on + line, rounded, where marked; else as `round_row`."""
     to, at = u(to), u(at)
     clipped, furthest = np.int32(0), np.int32(0)
     for i in range(u(n)):
@@ -167,7 +167,7 @@ def round_sum(target, source, line, marks, to, at, n, largest):
 
 @jit
 def round_solution(picture, base, marks, line, total, x, region, corners, largest, first, end, runs, table):
-    """`add_solution` to the base and `round_into` in one: picture = base + (total + x) in rows first ... end of the region.
+    """`add_solution` and `round_into` in one: picture = base + (total + x) in rows first ... end of the region.
 
     picture, base: (H, W, channels) integers.  marks, line: scratch for (width + 1) * channels bytes and float32.
     region: (height, width) bool.  corners: where it lies on picture and on base, row and column.  `first` is even.

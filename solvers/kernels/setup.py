@@ -36,7 +36,7 @@ def mark_pairs(marks, region, upper, lower, n):
 def find_runs(runs, words, marks, region, gap):
     """Runs of the finest level; returns their number.
 
-    runs: (n, 3) int32, written as far as it goes: pass one without rows to count only.  words: int64 zeros, enough for a
+    runs: (n, 3) int32, written as far as it goes: pass one without rows to count only.  words: int64 zeros, room for a
     row of places in bytes.  marks: the same memory as bytes.  region: (height, width) bool.  gap: stretches with fewer
     empty places between them become one run.
     """
