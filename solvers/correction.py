@@ -108,8 +108,12 @@ class Correction:
         """total <- total + x, b <- b - A x, x <- 0."""
         where = self.hierarchy.table, self.problem.channels
         if self._total is None and self.exact and not self.problem.floating:
-            self._residual(keep=False)
             self._total = self.arena.floats(self._size)  # nothing is read there but what is moved
+            if len(self._pieces) == 1:
+                h = self.hierarchy
+                kernels.hand_over(self._total, self.b, self.x, h.diagonal, h.finest_segments, *where)
+                return
+            self._residual(keep=False)
             self.team.run(kernels.move, [(self._total, self.x, piece, *where) for piece in self._pieces])
             return
         self.team.run(kernels.fold, [(self.total, self.x, piece, *where) for piece in self._pieces])

@@ -186,15 +186,21 @@ def fold(total, x, segments, table, channels):
 
 
 @loops
+def move_places(total, x, at, n):
+    """total = x, and x = 0, in n places."""
+    at = u(at)
+    for i in range(u(n)):
+        total[at + i] = x[at + i]
+        x[at + i] = np.float32(0.0)
+
+
+@jit
 def move(total, x, segments, table, channels):
     """total = x, and x = 0."""
     size = table[0, QUARTER]
     for line in range(4 * channels):
         for k in range(segments.shape[0]):
-            at = u(line * size + segments[k, 0])
-            for i in range(u(segments[k, 1] - segments[k, 0])):
-                total[at + i] = x[at + i]
-                x[at + i] = np.float32(0.0)
+            move_places(total, x, line * size + segments[k, 0], segments[k, 1] - segments[k, 0])
 
 
 @loops
@@ -272,3 +278,24 @@ def subtract_image(b, x, diagonal, segments, table, channels, keep):
                 bits = residual_of(b, x, diagonal, size, stride, 4 * channel * size, colour, at, n, keep)
                 largest = largest_of(largest, bits)
     return largest
+
+
+@jit
+def hand_over(total, b, x, diagonal, segments, table, channels):
+    """b - A x takes the place of b, x that of total, and x = 0: `subtract_image` and `move` in one pass.
+
+    A segment is moved as soon as no residual that reads it is left.
+    """
+    stride, size = table[0, STRIDE], table[0, QUARTER]
+    count = segments.shape[0]
+    for channel in range(channels):
+        plane, moved = 4 * channel * size, 0
+        for k in range(count):
+            at, n = segments[k, 0], segments[k, 1] - segments[k, 0]
+            for colour in range(2):
+                residual_of(b, x, diagonal, size, stride, plane, colour, at, n, False)
+            while moved <= k and (k + 1 == count or segments[moved, 1] + stride < segments[k + 1, 0]):
+                first, n = segments[moved, 0], segments[moved, 1] - segments[moved, 0]
+                for quarter in range(4):
+                    move_places(total, x, plane + quarter * size + first, n)
+                moved += 1
