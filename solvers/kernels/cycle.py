@@ -173,10 +173,10 @@ def relaxed(x, b, at, i, c):
 
 @loops
 def relax_coarse_places(x, b, at, i, c, omega):
-    """Puts it there, over-relaxed by `omega`; None: as it is, what was there may be anything."""
+    """Puts it there, over-relaxed by `omega`: by 1 means that what was there may be anything."""
     upper, lower = at[0], at[1]
     new_upper, new_lower = relaxed(x, b, at, i, c)
-    if omega is None:
+    if omega == np.float32(1.0):
         x[upper + i], x[lower + i] = new_upper, new_lower
     else:
         x[upper + i] += omega * (new_upper - x[upper + i])
@@ -230,15 +230,8 @@ def relax_segment(x, b, weight, edge_e, edge_s, segments, table, level, channels
     stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
     at, n = segments[k, 0], segments[k, 1] - segments[k, 0]
     if level > 0:
-        skip, one = table[1, OFFSET], np.float32(1.0)
-        if omega == one:  # a loop of its own: LLVM would ask for it at every place
-            relax_coarse(
-                x, b, weight, edge_e, edge_s, size, stride, channels, offset, skip, colour, at, n, None
-            )
-        else:
-            relax_coarse(
-                x, b, weight, edge_e, edge_s, size, stride, channels, offset, skip, colour, at, n, omega
-            )
+        skip = table[1, OFFSET]
+        relax_coarse(x, b, weight, edge_e, edge_s, size, stride, channels, offset, skip, colour, at, n, omega)
     elif colour == RED:
         relax_red(x, b, weight, size, stride, channels, at, n)
     else:
@@ -589,11 +582,12 @@ def sweep_in_rows(x, b, weight, diagonal, scratch, runs, table, channels, begins
                     at = (row + 1) * stride + low
                     change, later = relax_rows(own, right, weight, size, stride, at, high - low, omega, None)
             else:
-                relax_row(own, right, weight, size, stride, RED, row, row_0, one)
-                change = relax_row(own, right, weight, size, stride, BLACK, row - 1, row_1, omega)
-                if turns:
-                    relax_row(own, right, weight, size, stride, RED, row - 2, row_2, one)
-                    later = relax_row(own, right, weight, size, stride, BLACK, row - 3, row_3, one)
+                rows = row_0, row_1, row_2, row_3
+                for k in range(lag + 1):
+                    bits = relax_row(
+                        own, right, weight, size, stride, k & 1, row - k, rows[k], omega if k == 1 else one
+                    )
+                    change, later = bits if k == 1 else change, bits if k == 3 else later
             by_first, by_second = largest_of(by_first, change), largest_of(by_second, later)
             row_1, row_2, row_3 = row_0, row_1, row_2
             # The row before the last one that is done: it reads the row behind it.
@@ -653,33 +647,30 @@ def sweep(x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table
         done_black = min(done_red, segments[black, 0]) if black < black_end else done_red
         done_red_2 = min(done_black, segments[red_2, 0]) if red_2 < red_2_end else done_black
         done_black_2 = min(done_red_2, segments[black_2, 0]) if black_2 < black_2_end else done_red_2
-        # What comes last goes first, so that a wave is as short as can be.
+        # What comes last goes first, so that a wave is as short as can be.  Relaxation stands here once, for any colour:
+        # its loops are most of what there is to compile.
+        colour, omega, k = BLACK, one, np.int64(0)
+        is_after = is_before = False
         if down < down_end and segments[down, 1] + reach <= done_black_2:
             restrict_segment(
                 b, x, diagonal, edge_e, edge_s, scratch, runs, segments, table, level, channels, down
             )
             down += 1
-        elif black_2 < black_2_end and segments[black_2, 1] + reach <= done_red_2:
-            change = relax_segment(
-                x, b, weight, edge_e, edge_s, segments, table, level, channels, BLACK, black_2, one
-            )
-            before = largest_of(before, change)
+            continue
+        if black_2 < black_2_end and segments[black_2, 1] + reach <= done_red_2:
+            k, is_before = black_2, True
             black_2 += 1
         elif red_2 < red_2_end and segments[red_2, 1] + reach <= done_black:
-            if kind == SWEEP_FROM_ZERO:
-                relax_segment_from_zero(x, b, weight, segments, table, level, channels, red_2)
-            else:
-                relax_segment(x, b, weight, edge_e, edge_s, segments, table, level, channels, RED, red_2, one)
+            k, colour = red_2, RED
             red_2 += 1
+            if kind == SWEEP_FROM_ZERO:
+                relax_segment_from_zero(x, b, weight, segments, table, level, channels, k)
+                continue
         elif black < black_end and segments[black, 1] + reach <= done_red:
-            omega = OVERRELAXATION if kind == TURN else one
-            change = relax_segment(
-                x, b, weight, edge_e, edge_s, segments, table, level, channels, BLACK, black, omega
-            )
-            after = largest_of(after, change)
+            k, is_after, omega = black, True, OVERRELAXATION if kind == TURN else one
             black += 1
         elif red < red_end and segments[red, 1] + reach <= done_up:
-            relax_segment(x, b, weight, edge_e, edge_s, segments, table, level, channels, RED, red, one)
+            k, colour = red, RED
             red += 1
         elif up < up_end:
             for channel in range(channels):
@@ -688,8 +679,12 @@ def sweep(x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table
                 )
                 corrected = largest_of(corrected, change)
             up += 1
+            continue
         else:
             return corrected, after, before
+        change = relax_segment(x, b, weight, edge_e, edge_s, segments, table, level, channels, colour, k, omega)
+        after = largest_of(after, change if is_after else np.int32(0))
+        before = largest_of(before, change if is_before else np.int32(0))
 
 
 # --- the coarsest level, and whole cycles ------------------------------------------------------------------------
