@@ -110,15 +110,14 @@ class Correction:
         if self._total is None and self.exact and not self.problem.floating:
             self._total = self.arena.floats(self._size)  # nothing is read there but what is moved
             if len(self._pieces) == 1:
-                h = self.hierarchy
-                kernels.hand_over(self._total, self.b, self.x, h.diagonal, h.finest_segments, *where)
+                self._residual(self._total)
                 return
-            self._residual(keep=False)
+            self._residual(self._nothing)
             self.team.run(kernels.move, [(self._total, self.x, piece, *where) for piece in self._pieces])
             return
         self.team.run(kernels.fold, [(self.total, self.x, piece, *where) for piece in self._pieces])
         if self.exact:
-            self._residual(keep=False)
+            self._residual(self._nothing)
         else:
             self.assemble(corrected=True)
         self.team.run(kernels.clear, [(self.x, piece, *where) for piece in self._pieces])
@@ -135,14 +134,19 @@ class Correction:
 
     def least_error(self) -> float:
         """A lower bound of the largest error, from the true residual, in float64."""
-        return self._residual(keep=True) / (LARGEST_ROW_SUM + self.problem.screening)
+        return self._residual(self._nothing, keep=True) / (LARGEST_ROW_SUM + self.problem.screening)
 
-    def _residual(self, *, keep: bool) -> float:
+    @property
+    def _nothing(self) -> Float32:
+        return self.x[:0]
+
+    def _residual(self, total: Float32, *, keep: bool = False) -> float:
+        """See `kernels.exact.subtract_image`."""
         h = self.hierarchy
 
         def subtract(piece: NDArray[np.int64]) -> int:
             where = h.diagonal, piece, h.table, self.problem.channels
-            return int(kernels.subtract_image(self.b, self.x, *where, keep))
+            return int(kernels.subtract_image(self.b, total, self.x, *where, keep))
 
         bits = max(self.team.run(subtract, [(piece,) for piece in self._pieces]))
         return float(np.int64(bits).view(np.float64))

@@ -182,14 +182,10 @@ def build_hierarchy(
     coarse_size = size - int(table[1, OFFSET])
     weight, diagonal, edge_e, edge_s = arena.zeros_each(size, size, coarse_size, coarse_size)
     conductances = edge_e, edge_s, *arena.zeros_each(*[coarse_size] * 4)  # leaks are of no use later
-    mass = arena.zeros(size if screening > 0 else 0)
     unknowns = np.zeros(len(table) - 1, np.int64)
     unknowns[0] = np.count_nonzero(region)
     parts = team.pieces(runs[: table[1, FIRST_RUN]], 1, int(unknowns[0]))
     team.run(setup.weigh_region, [(weight, diagonal, region, part, table) for part in parts])
-    if screening > 0:
-        segments_0 = segments[: table[1, FIRST_SEGMENT]]
-        setup.screen_region(mass, weight, diagonal, segments_0, table, np.float32(screening))
 
     def coarsen(part: NDArray[np.int32], level: int) -> None:
         if level == 1:
@@ -198,7 +194,7 @@ def build_hierarchy(
             setup.coarsen(*conductances, aligned_zeros(stride), part, table, level - 1)
 
     level = 1
-    while screening == 0 and level < len(unknowns):
+    while level < len(unknowns):
         cells = int(unknowns[level - 1])
         if cells <= EXACT_UNKNOWNS or not team.shares(cells):
             break
@@ -211,11 +207,14 @@ def build_hierarchy(
         unknowns[level] = sum(int(n) for n in team.run(setup.weigh, weighed))
         level += 1
     scratch = aligned_zeros(6 * stride)
-    fields = unknowns, weight, diagonal, mass, *conductances, scratch, runs, segments, table
+    fields = unknowns, weight, diagonal, *conductances, scratch, runs, segments, table
     n_levels = int(setup.build_levels(*fields, level, EXACT_UNKNOWNS))
 
     # The depth was known only now: coarser levels, laid out above, are left out.
     table = table[: n_levels + 1]
+    if screening > 0:
+        mass = arena.zeros(size)
+        setup.screen(mass, weight, diagonal, scratch, runs, segments, table, np.float32(screening))
     return Hierarchy(
         region,
         table,

@@ -43,7 +43,7 @@ def smallest_eigenvalue(hierarchy: Hierarchy, team: Team) -> float:
         v /= np.float32(eigenvalue)  # what A^-1 D v would be if v were the mode: the cycle mends the rest
         for _ in cycling.run(x, b):
             pass
-        subtract_image(b, x, h.diagonal, h.finest_segments, h.table, 1, False)
+        subtract_image(b, x[:0], x, h.diagonal, h.finest_segments, h.table, 1, False)
         eigenvalue = _dot(v, target - image) / _dot(v, diagonal * v)
     return eigenvalue
 

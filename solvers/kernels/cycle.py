@@ -431,8 +431,8 @@ def prolong_segment(x, weight, scratch, runs, segments, table, level, channels, 
 
 LAG = 3  # rows from the first half sweep of a turn to the last one; from that of a sweep it is 1
 
-# Where that is done: it may visit so many times the places of a sweep over segments,
-MORE_PLACES = 1.2
+# Where that is done: rows from their first to their last run may hold so many times the places of all segments,
+MORE_PLACES = 1.15
 # and a row has so many at least.
 SHORTEST_ROW = 24
 
@@ -518,15 +518,12 @@ def rows_pay(runs, segments, table):
         return False
     for segment in range(table[1, FIRST_SEGMENT]):
         places += segments[segment, 1] - segments[segment, 0]
-    first, last = np.int64(runs[0, 0]), np.int64(runs[end - 1, 0])
-    one = two = three = (np.int64(0), np.int64(0))
     k = np.int64(0)
-    for row in range(first, last + 1):
-        low, high, k = row_of_runs(runs, k, end, row)
-        columns = together(together((low, high), one), together(two, three))
-        visited += columns[1] - columns[0]
-        one, two, three = (low, high), one, two
-    return SHORTEST_ROW * (last + 1 - first) <= visited <= MORE_PLACES * places
+    while k < end:
+        low, high, k = row_of_runs(runs, k, end, runs[k, 0])
+        visited += high - low
+    rows = np.int64(runs[end - 1, 0]) + 1 - runs[0, 0]
+    return SHORTEST_ROW * rows <= visited <= MORE_PLACES * places
 
 
 @inlined
@@ -647,8 +644,8 @@ def sweep(x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table
         done_black = min(done_red, segments[black, 0]) if black < black_end else done_red
         done_red_2 = min(done_black, segments[red_2, 0]) if red_2 < red_2_end else done_black
         done_black_2 = min(done_red_2, segments[black_2, 0]) if black_2 < black_2_end else done_red_2
-        # What comes last goes first, so that a wave is as short as can be.  Relaxation stands here once, for any colour:
-        # its loops are most of what there is to compile.
+        # What comes last goes first, so that a wave is as short as can be.  Relaxation stands here once, for any
+        # colour: its loops are most of what there is to compile.
         colour, omega, k = BLACK, one, np.int64(0)
         is_after = is_before = False
         if down < down_end and segments[down, 1] + reach <= done_black_2:
@@ -682,7 +679,9 @@ def sweep(x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table
             continue
         else:
             return corrected, after, before
-        change = relax_segment(x, b, weight, edge_e, edge_s, segments, table, level, channels, colour, k, omega)
+        change = relax_segment(
+            x, b, weight, edge_e, edge_s, segments, table, level, channels, colour, k, omega
+        )
         after = largest_of(after, change if is_after else np.int32(0))
         before = largest_of(before, change if is_before else np.int32(0))
 

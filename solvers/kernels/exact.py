@@ -263,39 +263,26 @@ def residual_of(b, x, diagonal, size, stride, plane, colour, at, n, keep):
 
 
 @jit
-def subtract_image(b, x, diagonal, segments, table, channels, keep):
+def subtract_image(b, total, x, diagonal, segments, table, channels, keep):
     """b - A x on the finest level, in float64: it takes the place of b.
 
-    With `keep` b stays, and the bit pattern of the largest absolute value among the red cells is returned.  What a
-    black cell holds is part of its neighbours' residuals, and every iteration ends with the black ones.
+    With a `total` that is not empty x takes the place of that, and x = 0, as in `move`: each segment as soon as no
+    residual that reads it is left.  With `keep` b stays, and the bit pattern of the largest absolute value among the
+    red cells is returned.  What a black cell holds is part of its neighbours' residuals, and every iteration ends with
+    the black ones.
     """
-    stride, size = table[0, STRIDE], table[0, QUARTER]
+    stride, size, count = table[0, STRIDE], table[0, QUARTER], segments.shape[0]
     largest = np.int64(0)
-    for k in range(segments.shape[0]):
-        at, n = segments[k, 0], segments[k, 1] - segments[k, 0]
-        for channel in range(channels):
-            for colour in range(1 if keep else 2):
-                bits = residual_of(b, x, diagonal, size, stride, 4 * channel * size, colour, at, n, keep)
-                largest = largest_of(largest, bits)
-    return largest
-
-
-@jit
-def hand_over(total, b, x, diagonal, segments, table, channels):
-    """b - A x takes the place of b, x that of total, and x = 0: `subtract_image` and `move` in one pass.
-
-    A segment is moved as soon as no residual that reads it is left.
-    """
-    stride, size = table[0, STRIDE], table[0, QUARTER]
-    count = segments.shape[0]
     for channel in range(channels):
-        plane, moved = 4 * channel * size, 0
+        plane, moved = 4 * channel * size, count if total.shape[0] == 0 else 0
         for k in range(count):
             at, n = segments[k, 0], segments[k, 1] - segments[k, 0]
-            for colour in range(2):
-                residual_of(b, x, diagonal, size, stride, plane, colour, at, n, False)
+            for colour in range(1 if keep else 2):
+                bits = residual_of(b, x, diagonal, size, stride, plane, colour, at, n, keep)
+                largest = largest_of(largest, bits)
             while moved <= k and (k + 1 == count or segments[moved, 1] + stride < segments[k + 1, 0]):
-                first, n = segments[moved, 0], segments[moved, 1] - segments[moved, 0]
+                first, places = segments[moved, 0], segments[moved, 1] - segments[moved, 0]
                 for quarter in range(4):
-                    move_places(total, x, plane + quarter * size + first, n)
+                    move_places(total, x, plane + quarter * size + first, places)
                 moved += 1
+    return largest

@@ -7,6 +7,12 @@ _ASSEMBLE = (
     "f4[:], f8[:], f4[:], {v}[:,:,:], {v}[:,:,:], {v}[:,:,:], {v}[:,:,:], i8, i8, i8,"
     " f4[:], f4[:], i4[:,:], i8[:,:] -> b1"
 )
+_PICTURES = "{v}[:,:,:], {v}[:,:,:]"
+_ROUND_SOLUTION = (
+    _PICTURES + ", u1[:], f4[:], f4[:], f4[:], b1[:,:], i8[:], f4, i8, i8, i4[:,:], i8[:,:] -> f8, f8"
+)
+_ROUND_INTO = "{v}[:,:,:], u1[:], f4[:,:,:], b1[:,:], i8, f4 -> f8, f8"
+_SUBTRACT_PICTURES = f"f4[:,:], {_PICTURES}, i8[:], i8[:], i8[:]"
 _ADD_SOLUTION = "{v}[:,:,:], {v}[:], f4[:], f4[:], i8, i4[:,:], i8[:,:]"
 
 # Name -> signatures: arguments -> results, see `solvers.native.signature`.  Kernels that only kernels call need none.
@@ -17,33 +23,27 @@ ENTRY_POINTS = {
         " i8[:,:], i8"
     ],
     "build_levels": [
-        "i8[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], i4[:,:], i8[:,:], i8[:,:], i8, i8"
-        " -> i8"
+        "i8[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], i4[:,:], i8[:,:], i8[:,:], i8, i8 -> i8"
     ],
     "assemble": [_ASSEMBLE.format(v="f4")],
-    "subtract_image": ["f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8, b1 -> i8"],
+    "subtract_image": ["f4[:], f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8, b1 -> i8"],
     "add_solution": [_ADD_SOLUTION.format(v="f4")],
     "find_runs": ["i4[:,:], i8[:], u1[:], b1[:,:], i8 -> i8"],
     "weigh_region": ["f4[:], f4[:], b1[:,:], i4[:,:], i8[:,:]"],
-    "relax_over": ["f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8, i8, f4, i8, i8"],
     "find_rim": ["i8[:], i8[:], b1[:,:], i8[:], u1[:] -> i8"],
     "assemble_rim": ["f4[:], f4[:,:], i8[:], i8[:], f4[:], i8[:,:]"],
     "lay_out": ["i4[:,:], i8[:,:], i8[:,:], i4[:,:,:], i4[:,:], i8, i8, i8 -> i8"],
     "factor_coarsest": ["f8[:,:], i8[:], f8[:], i8[:], f4[:], f4[:], f4[:], i8[:,:], i8 -> f8"],
-    "hand_over": ["f4[:], f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8"],
     "move": ["f4[:], f4[:], i8[:,:], i8[:,:], i8"],
     "fold": ["f4[:], f4[:], i8[:,:], i8[:,:], i8"],
     "clear": ["f4[:], i8[:,:], i8[:,:], i8"],
-    "round_solution": [
-        f"{v}[:,:,:], {v}[:,:,:], u1[:], f4[:], f4[:], f4[:], b1[:,:], i8[:], f4, i8, i8, i4[:,:], i8[:,:] -> f8, f8"
-        for v in ("u1", "u2")
-    ],
-    "round_into": [f"{v}[:,:,:], u1[:], f4[:,:,:], b1[:,:], i8, f4 -> f8, f8" for v in ("u1", "u2")],
-    "subtract_pictures": [f"f4[:,:], {v}[:,:,:], {v}[:,:,:], i8[:], i8[:], i8[:]" for v in ("u1", "u2")],
+    "round_solution": [_ROUND_SOLUTION.format(v="u1")],
+    "round_into": [_ROUND_INTO.format(v="u1")],
+    "subtract_pictures": [_SUBTRACT_PICTURES.format(v="u1")],
     "survey": ["b1[:,:], i8, i8, i8 -> i8, i8"],
 }
 
-# What only some callers need: float64 throughout, regions with narrow parts, screening.
+# What only some callers need: float64 throughout, 16 bits, over-relaxation, screening, regions with narrow parts.
 FURTHER = {
     "solve_parts": [
         "f8[:,:], f8[:], f8[:], i4[:], i4[:], f8[:], f8[:], f8[:], i4[:], i4[:], f8[:], i4[:], i4[:], i4[:], i4[:],"
@@ -61,12 +61,16 @@ FURTHER = {
     "locate": ["i8[:], i8, i8[:], b1[:], i8, i8 -> i8"],
     "sort_parts": ["i4[:], i4[:], i4[:], i4[:], i4[:]"],
     "add_solution": [_ADD_SOLUTION.format(v="f8")],
+    "round_solution": [_ROUND_SOLUTION.format(v="u2")],
+    "round_into": [_ROUND_INTO.format(v="u2")],
+    "subtract_pictures": [_SUBTRACT_PICTURES.format(v="u2")],
     "round_at": [f"{v}[:,:,:], {v}[:,:,:], f8[:,:], i8[:], i8, i8[:], f4 -> f8, f8" for v in ("u1", "u2")],
+    "relax_over": ["f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8, i8, f4, i8, i8"],
     "coarsen_region": ["f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], i4[:,:], i8[:,:]"],
     "coarsen": ["f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], i4[:,:], i8[:,:], i8"],
     "weigh": ["f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8 -> i8"],
     "add_at": [f"{v}[:,:,:], f8[:,:], i8[:], i8, i8, i8" for v in ("f4", "f8")],
-    "screen_region": ["f4[:], f4[:], f4[:], i8[:,:], i8[:,:], f4"],
+    "screen": ["f4[:], f4[:], f4[:], f4[:], i4[:,:], i8[:,:], i8[:,:], f4"],
 }
 
 # Without the GIL: callers use threads.  Division by zero follows IEEE, as in numpy.  No fastmath: a NaN must be seen.

@@ -423,13 +423,13 @@ def weigh(weight, diagonal, edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, segm
 
 @jit
 def build_levels(
-    unknowns, weight, diagonal, mass, edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, scratch, runs, segments, table,
-    first, few,
+    unknowns, weight, diagonal, edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, scratch, runs, segments, table, first,
+    few,
 ):  # fmt: skip
     """The coefficients of levels from `first` on, up to the first one of at most `few` unknowns; returns its end.
 
-    unknowns: (n_levels,) int64, their number per level, of which those before `first` are given.  mass: empty where
-    nothing is screened.  scratch: six rows of the finest level.
+    unknowns: (n_levels,) int64, their number per level, of which those before `first` are given.  scratch: six rows of
+    the finest level.
     """
     for level in range(first, table.shape[0] - 1):
         if unknowns[level - 1] <= few:
@@ -443,23 +443,28 @@ def build_levels(
         unknowns[level] = weigh(
             weight, diagonal, edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, own, table, level
         )
-        if mass.shape[0] > 0:
-            coarsen_mass(mass, scratch, fine, table, level - 1)
-            add_mass(weight, diagonal, mass, own, table, level)
     return table.shape[0] - 1
 
 
 @jit
-def screen_region(mass, weight, diagonal, segments, table, screening):
-    """Draws every unknown of the finest level to its first guess: mass = screening, and the diagonal grows by it."""
+def screen(mass, weight, diagonal, scratch, runs, segments, table, screening):
+    """Draws every unknown to its first guess: mass = screening on the finest level, and what that makes on all others.
+
+    mass: as `diagonal`, zeros.  scratch: a row of the finest level.  The diagonals of all levels grow by their mass.
+    """
     size = table[0, QUARTER]
     for quarter in range(4):
-        for k in range(segments.shape[0]):
+        for k in range(table[1, FIRST_SEGMENT]):
             at, n = quarter * size + segments[k, 0], segments[k, 1] - segments[k, 0]
             m, w = mass[at : at + n], weight[at : at + n]
             for i in range(n):
                 m[i] = screening if w[i] > 0 else np.float32(0.0)
-    add_mass(weight, diagonal, mass, segments, table, 0)
+    for level in range(table.shape[0] - 1):
+        own = segments[table[level, FIRST_SEGMENT] : table[level + 1, FIRST_SEGMENT]]
+        if level > 0:
+            fine = runs[table[level - 1, FIRST_RUN] : table[level, FIRST_RUN]]
+            coarsen_mass(mass, scratch, fine, table, level - 1)
+        add_mass(weight, diagonal, mass, own, table, level)
 
 
 @jit
