@@ -199,7 +199,7 @@ class Addition:
 
         Parameters
         ----------
-        picture, base : (H, W, C) uint8 or uint16
+        picture, base : (H, W, C) uint8
             The base holds the first guess.
         corners : (4,) int64
             Row and column where the image begins on the picture, and on the base.

@@ -133,10 +133,13 @@ class Window:
             picture[:top], picture[bottom:] = self._picture[:top], self._picture[bottom:]
             larger = LARGER if self._as_stored else 1
             target, base = tone.Stored.of(picture, (top, self._placement.left)), self._base()
+            at_once = (
+                picture.dtype == np.uint8
+            )  # 16 bits are rarer: nobody is to wait until it is compiled for them
 
             def rows(first: int, end: int) -> tuple[int, float]:
                 """How many values were clipped, and how far the furthest left the range."""
-                if isinstance(correct, Addition) and target is not None and base is not None:
+                if isinstance(correct, Addition) and target is not None and base is not None and at_once:
                     picture[top + first : top + end] = self._picture[top + first : top + end]
                     return tone.paste_sum(target, base, correct, first, end)
                 clipped, overshoot = 0, 0.0

@@ -7,12 +7,6 @@ _ASSEMBLE = (
     "f4[:], f8[:], f4[:], {v}[:,:,:], {v}[:,:,:], {v}[:,:,:], {v}[:,:,:], i8, i8, i8,"
     " f4[:], f4[:], i4[:,:], i8[:,:] -> b1"
 )
-_PICTURES = "{v}[:,:,:], {v}[:,:,:]"
-_ROUND_SOLUTION = (
-    _PICTURES + ", u1[:], f4[:], f4[:], f4[:], b1[:,:], i8[:], f4, i8, i8, i4[:,:], i8[:,:] -> f8, f8"
-)
-_ROUND_INTO = "{v}[:,:,:], u1[:], f4[:,:,:], b1[:,:], i8, f4 -> f8, f8"
-_SUBTRACT_PICTURES = f"f4[:,:], {_PICTURES}, i8[:], i8[:], i8[:]"
 _ADD_SOLUTION = "{v}[:,:,:], {v}[:], f4[:], f4[:], i8, i4[:,:], i8[:,:]"
 
 # Name -> signatures: arguments -> results, see `solvers.native.signature`.  Kernels that only kernels call need none.
@@ -37,13 +31,15 @@ ENTRY_POINTS = {
     "move": ["f4[:], f4[:], i8[:,:], i8[:,:], i8"],
     "fold": ["f4[:], f4[:], i8[:,:], i8[:,:], i8"],
     "clear": ["f4[:], i8[:,:], i8[:,:], i8"],
-    "round_solution": [_ROUND_SOLUTION.format(v="u1")],
-    "round_into": [_ROUND_INTO.format(v="u1")],
-    "subtract_pictures": [_SUBTRACT_PICTURES.format(v="u1")],
+    "round_solution": [
+        "u1[:,:,:], u1[:,:,:], u1[:], f4[:], f4[:], f4[:], b1[:,:], i8[:], f4, i8, i8, i4[:,:], i8[:,:] -> f8, f8"
+    ],
+    "round_into": [f"{v}[:,:,:], u1[:], f4[:,:,:], b1[:,:], i8, f4 -> f8, f8" for v in ("u1", "u2")],
+    "subtract_pictures": [f"f4[:,:], {v}[:,:,:], {v}[:,:,:], i8[:], i8[:], i8[:]" for v in ("u1", "u2")],
     "survey": ["b1[:,:], i8, i8, i8 -> i8, i8"],
 }
 
-# What only some callers need: float64 throughout, 16 bits, over-relaxation, screening, regions with narrow parts.
+# What only some callers need: float64 throughout, over-relaxation, screening, regions with narrow parts.
 FURTHER = {
     "solve_parts": [
         "f8[:,:], f8[:], f8[:], i4[:], i4[:], f8[:], f8[:], f8[:], i4[:], i4[:], f8[:], i4[:], i4[:], i4[:], i4[:],"
@@ -61,9 +57,6 @@ FURTHER = {
     "locate": ["i8[:], i8, i8[:], b1[:], i8, i8 -> i8"],
     "sort_parts": ["i4[:], i4[:], i4[:], i4[:], i4[:]"],
     "add_solution": [_ADD_SOLUTION.format(v="f8")],
-    "round_solution": [_ROUND_SOLUTION.format(v="u2")],
-    "round_into": [_ROUND_INTO.format(v="u2")],
-    "subtract_pictures": [_SUBTRACT_PICTURES.format(v="u2")],
     "round_at": [f"{v}[:,:,:], {v}[:,:,:], f8[:,:], i8[:], i8, i8[:], f4 -> f8, f8" for v in ("u1", "u2")],
     "relax_over": ["f4[:], f4[:], f4[:], i8[:,:], i8[:,:], i8, i8, f4, i8, i8"],
     "coarsen_region": ["f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], f4[:], i4[:,:], i8[:,:]"],
