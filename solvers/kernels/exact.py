@@ -25,25 +25,38 @@ def largest_of(a, b):
 # --- the right-hand side -----------------------------------------------------------------------------------------
 
 
-@jit
-def add_difference(sums, a, b):
-    """sums += a - b; the arrays are at least as long as `sums`."""
-    for i in range(sums.shape[0]):
-        sums[i] += np.float64(a[i]) - np.float64(b[i])
+@loops
+def set_differences(line, f, north, south, own, n):
+    """line = (f at north - f) + (f at south - f), n values; `north`, `south` and `own` say where they begin in f."""
+    north, south, own = u(north), u(south), u(own)
+    for i in range(u(n)):
+        middle = np.float64(f[own + i])
+        line[i] = (np.float64(f[north + i]) - middle) + (np.float64(f[south + i]) - middle)
 
 
-@jit
-def add_differences(sums, a, b, middle):
-    """sums += (a - middle) + (b - middle)."""
-    for i in range(sums.shape[0]):
-        sums[i] += (np.float64(a[i]) - np.float64(middle[i])) + (np.float64(b[i]) - np.float64(middle[i]))
+@loops
+def add_differences(line, to, f, west, east, own, n):
+    """line += (f at west - f) + (f at east - f), n values from line[to] on."""
+    to, west, east, own = u(to), u(west), u(east), u(own)
+    for i in range(u(n)):
+        middle = np.float64(f[own + i])
+        line[to + i] += (np.float64(f[west + i]) - middle) + (np.float64(f[east + i]) - middle)
 
 
-@jit
-def set_differences(sums, a, b, middle):
-    """sums = (a - middle) + (b - middle)."""
-    for i in range(sums.shape[0]):
-        sums[i] = (np.float64(a[i]) - np.float64(middle[i])) + (np.float64(b[i]) - np.float64(middle[i]))
+@loops
+def add_difference(line, to, f, plus, minus, n):
+    """line += f at plus - f at minus, n values from line[to] on."""
+    to, plus, minus = u(to), u(plus), u(minus)
+    for i in range(u(n)):
+        line[to + i] += np.float64(f[plus + i]) - np.float64(f[minus + i])
+
+
+@loops
+def add_values(line, to, f, at, n, sign):
+    """line += f, or -f, n values from line[to] on."""
+    to, at = u(to), u(at)
+    for i in range(u(n)):
+        line[to + i] += sign * np.float64(f[at + i])
 
 
 @jit
@@ -53,51 +66,63 @@ def residual_of_row(line, values, across, down, rhs, y, is_first, is_last, low, 
     line: channels interleaved, as in the arrays.  is_first, is_last: whether it is the image's first row, its last.
     """
     width, channels = values.shape[1:]
-    start, stop = low * channels, high * channels
+    start, stop, pixels = low * channels, high * channels, width * channels
     n = stop - start
-    # Columns from `begin` to `end` have a neighbour on both sides.
-    begin, end = max(start, channels), max(min(stop, (width - 1) * channels), channels)
+    # Values from `begin` to `end` have a neighbour on both sides.
+    begin, end = max(start, channels), max(min(stop, pixels - channels), channels)
     west_edge, east_edge = low == 0 and width > 1, high == width and width > 1
-    inner, first_pixel, last_pixel = (
-        line[begin - start : end - start],
-        line[:channels],
-        line[n - channels : n],
-    )
+    inner, to, last = max(end - begin, 0), begin - start, n - channels
 
-    row = values[y].reshape(-1)
+    f, own = values.reshape(-1), y * pixels
     # A pixel beyond the edge, in whose place stands the pixel itself, makes no difference.
-    north = values[y if is_first else y - 1].reshape(-1)
-    south = values[y if is_last else y + 1].reshape(-1)
-    set_differences(line[:n], north[start:], south[start:], row[start:])
-    if end > begin:
-        add_differences(inner, row[begin - channels :], row[begin + channels :], row[begin:])
+    north = own + start - (0 if is_first else pixels)
+    south = own + start + (0 if is_last else pixels)
+    set_differences(line, f, north, south, own + start, n)
+    add_differences(line, to, f, own + begin - channels, own + begin + channels, own + begin, inner)
     if west_edge:
-        add_difference(first_pixel, row[channels:], row)
+        add_difference(line, 0, f, own + channels, own, channels)
     if east_edge:
-        add_difference(last_pixel, row[stop - 2 * channels :], row[stop - channels :])
+        add_difference(line, last, f, own + stop - 2 * channels, own + stop - channels, channels)
     if across.shape[0] > 0:
-        v = across[y].reshape(-1)
-        if end > begin:
-            add_difference(inner, v[begin:], v[begin - channels :])
+        v, pairs = across.reshape(-1), y * (pixels - channels)
+        add_difference(line, to, v, pairs + begin, pairs + begin - channels, inner)
         if west_edge:
-            for i in range(channels):
-                first_pixel[i] += v[i]
+            add_values(line, 0, v, pairs, channels, 1.0)
         if east_edge:
-            for i in range(channels):
-                last_pixel[i] -= v[stop - 2 * channels + i]
+            add_values(line, last, v, pairs + stop - 2 * channels, channels, -1.0)
     if down.shape[0] > 0:
+        v = down.reshape(-1)
         if not is_first:
-            v = down[y - 1].reshape(-1)[start:stop]
-            for i in range(n):
-                line[i] -= v[i]
+            add_values(line, 0, v, own - pixels + start, n, -1.0)
         if not is_last:
-            v = down[y].reshape(-1)[start:stop]
-            for i in range(n):
-                line[i] += v[i]
+            add_values(line, 0, v, own + start, n, 1.0)
     if rhs.shape[0] > 0:
-        v = rhs[y].reshape(-1)[start:stop]
-        for i in range(n):
-            line[i] += v[i]
+        add_values(line, 0, rhs.reshape(-1), own + start, n, 1.0)
+
+
+@loops
+def put(b, to, line, first, step, weight, at, n):
+    """n values of b from the line, 0 outside the region; returns how many float32 did not hold exactly."""
+    to, at = u(to), u(at)
+    inexact = np.int64(0)
+    for i in range(u(n)):
+        sum_ = line[u(first) + u(step) * i] if weight[at + i] > 0 else 0.0
+        b[to + i] = sum_
+        inexact += np.float32(sum_) != sum_
+    return inexact
+
+
+@loops
+def put_less(b, to, line, first, step, weight, diagonal, at, total, north, west, stride, n):
+    """The same less A total; `north` and `west` are where the neighbours in `total` begin, those behind them follow."""
+    to, at, north, west = u(to), u(at), u(north), u(west)
+    south, east = north + u(stride), west + u(1)
+    for i in range(u(n)):
+        image = np.float64(diagonal[at + i]) * total[to + i] - (
+            (np.float64(total[north + i]) + total[south + i])
+            + (np.float64(total[west + i]) + total[east + i])
+        )
+        b[to + i] = line[u(first) + u(step) * i] - image if weight[at + i] > 0 else 0.0
 
 
 @jit
@@ -113,7 +138,7 @@ def assemble(b, line, total, values, across, down, rhs, top, first, end, weight,
     channels = values.shape[2]
     height, width, stride, size = table[0, HEIGHT], table[0, WIDTH], table[0, STRIDE], table[0, QUARTER]
     step = 2 * channels
-    inexact = 0
+    inexact = np.int64(0)
     for k in range(runs.shape[0]):
         begin = np.int64(runs[k, 0]) * 2
         low, high = np.int64(runs[k, 1]) * 2, min(np.int64(runs[k, 2]) * 2, width)
@@ -122,31 +147,19 @@ def assemble(b, line, total, values, across, down, rhs, top, first, end, weight,
                 line, values, across, down, rhs, row - top, row == 0, row == height - 1, low, high
             )
             for side in range(2):
-                quarter = 2 * (row & 1) + side
-                places = (high - low - side + 1) // 2
+                quarter, n = 2 * (row & 1) + side, (high - low - side + 1) // 2
                 at = (begin // 2 + 1) * stride + low // 2
-                o = quarter * size + at
-                w = weight[o : o + places]
+                own = quarter * size + at
                 for channel in range(channels):
-                    plane = 4 * channel * size
-                    target = b[plane + o : plane + o + places]
-                    sums = line[side * channels + channel :]
-                    if total.shape[0] > 0:
-                        d, t = diagonal[o : o + places], total[plane + o : plane + o + places]
-                        q = plane + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride)
-                        north, south = total[q : q + places], total[q + stride : q + stride + places]
-                        q = plane + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1)
-                        west, east = total[q : q + places], total[q + 1 : q + 1 + places]
-                        for i in range(places):
-                            image = np.float64(d[i]) * t[i] - (
-                                (np.float64(north[i]) + south[i]) + (np.float64(west[i]) + east[i])
-                            )
-                            target[i] = sums[step * i] - image if w[i] > 0 else 0.0
-                    else:
-                        for i in range(places):
-                            sum_ = sums[step * i] if w[i] > 0 else 0.0
-                            target[i] = sum_
-                            inexact += np.float32(sum_) != sum_
+                    plane, first_sum = 4 * channel * size, side * channels + channel
+                    if total.shape[0] == 0:
+                        inexact += put(b, plane + own, line, first_sum, step, weight, own, n)
+                        continue
+                    north = plane + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride)
+                    west = plane + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1)
+                    put_less(
+                        b, plane + own, line, first_sum, step, weight, diagonal, own, total, north, west, stride, n
+                    )  # fmt: skip
     return inexact == 0
 
 
