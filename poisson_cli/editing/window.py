@@ -133,9 +133,8 @@ class Window:
             picture[:top], picture[bottom:] = self._picture[:top], self._picture[bottom:]
             larger = LARGER if self._as_stored else 1
             target, base = tone.Stored.of(picture, (top, self._placement.left)), self._base()
-            at_once = (
-                picture.dtype == np.uint8
-            )  # 16 bits are rarer: nobody is to wait until it is compiled for them
+            # 16 bits are rarer: nobody is to wait until it is compiled for them.
+            at_once = picture.dtype == np.uint8
 
             def rows(first: int, end: int) -> tuple[int, float]:
                 """How many values were clipped, and how far the furthest left the range."""
