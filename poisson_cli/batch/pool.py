@@ -196,11 +196,11 @@ class _Pool:
         self._quiet, self._begins, self._perform = quiet, begins, perform
         self._context = multiprocessing.get_context("spawn")
         self._estimate = memory.estimator()
-        self._workers: list[_Worker] = []
+        self._workers = begun
         self._listening = selectors.DefaultSelector()  # `multiprocessing.connection.wait` makes one each time
         self._stillborn = 0
         for worker in begun:
-            self._take_on(worker)
+            self._listen_to(worker)
 
     def results(self) -> Iterator[Result]:
         """Hand out jobs and take in results until there are no more."""
@@ -234,10 +234,8 @@ class _Pool:
         self._workers.clear()
         self._listening.close()
 
-    def _take_on(self, worker: _Worker) -> None:
-        """Listen to a worker from now on."""
-        if worker not in self._workers:
-            self._workers.append(worker)
+    def _listen_to(self, worker: _Worker) -> None:
+        """From now on, until it is buried."""
         self._listening.register(worker.pipe, selectors.EVENT_READ, worker)
 
     def _hand_out(self) -> Iterator[Result]:
@@ -276,7 +274,7 @@ class _Pool:
                     return worker
             if len(self._workers) < self._most:
                 worker = _begin(self._workers, self._context, self._perform, self._quiet)
-                self._take_on(worker)
+                self._listen_to(worker)
                 return worker
         if not self._keep_going or attempt.bytes > _SMALL or attempt.times > 1:
             return None
