@@ -31,12 +31,11 @@ from solvers.problem import PoissonProblem
 WELL_FILLED = 0.45
 # Mean breadth, in pixels, up to which a part counts as narrow.
 NARROW = 6.0
-# Unknowns of one part.  A call of a kernel is not to take longer than .2 s: Python hears signals only in between.
-LARGEST_PART = 1_500_000
-CALL = 500_000  # unknowns of all parts of a call,
-LONG_CALL = 5_000_000  # and of one that does little with each
+# A call of a kernel is not to take longer than .2 s: Python hears signals only in between.
+CALL = 30_000_000  # unknowns to sweep in a call,
+LONG_CALL = 5_000_000  # and of one that looks at each once
 # Over-relaxation goes on until the error was this share of what is allowed, before the last sweep.
-PRECISION = 0.5
+PRECISION = 0.8
 
 LARGEST_REGION = 1 << 30  # unknowns: they are numbered in 32 bits
 
@@ -53,6 +52,8 @@ class Parts(NamedTuple):
         Row * width + column of each unknown, in reading order: an unknown's number is its index here.
     near : (n, 4) int32
         Numbers of the north, west, east and south neighbour, or `kernels.KNOWN`, or `kernels.BEYOND` the image.
+    colour : (n,) int32
+        `kernels.RED` or `kernels.BLACK`, as on a chessboard.
     order, rank : (n,) int32
         Numbers of the unknowns, part by part; where a number stands among them.
     starts : (n_parts + 1,) int32
@@ -65,6 +66,7 @@ class Parts(NamedTuple):
 
     place: NDArray[np.int64]
     near: NDArray[np.int32]
+    colour: NDArray[np.int32]
     order: NDArray[np.int32]
     rank: NDArray[np.int32]
     starts: NDArray[np.int32]
@@ -76,15 +78,15 @@ class Parts(NamedTuple):
         """Those of the unknowns at these places of an image of this height and width; they live in the arena."""
         n = len(place)
         near = arena.integers(n, 4)
-        part, order, rank, pairs, starts = (arena.integers(size) for size in (n, n, n, n, n + 1))
+        part, colour, order, rank, pairs, starts = (arena.integers(size) for size in (n, n, n, n, n, n + 1))
         above = count = 0
         for call in _calls(n):
-            above = kernels.link(near, part, place, *shape, above, *call)
+            above = kernels.link(near, part, colour, place, *shape, above, *call)
         for call in _calls(n):
             count = kernels.number_parts(part, starts, pairs, near, count, *call)
         starts = starts[: count + 1]
         kernels.sort_parts(order, rank, arena.integers(count), part, starts)
-        return cls(place, near, order, rank, starts, part, pairs[:count])
+        return cls(place, near, colour, order, rank, starts, part, pairs[:count])
 
     @property
     def sizes(self) -> NDArray[np.int32]:
@@ -100,7 +102,7 @@ class Parts(NamedTuple):
         """Which parts are worth to be tried directly."""
         sizes = self.sizes
         breadth = sizes / (2.0 * sizes - self.pairs)  # twice the area by the perimeter
-        return (sizes <= LARGEST_PART) & (breadth <= NARROW)
+        return breadth <= NARROW
 
 
 class NarrowSolution(NamedTuple):
@@ -153,7 +155,9 @@ def split(problem: PoissonProblem, arena: Arena, tolerance: float) -> NarrowSolu
             return None
         parts = Parts.of(parts.place[parts.unknowns_of(narrow)], (height, width), arena)
     b = _right_hand_side(problem, parts, arena)
-    values, solved, error, sweeps = _solve(b, parts, width, arena, PRECISION * tolerance * problem.level)
+    values, solved, error, sweeps = _solve(
+        b, problem.channels, parts, arena, PRECISION * tolerance * problem.level
+    )
     place = parts.place
     if not solved.all():
         there = parts.unknowns_of(solved)
@@ -162,51 +166,48 @@ def split(problem: PoissonProblem, arena: Arena, tolerance: float) -> NarrowSolu
 
 
 def _solve(
-    b: NDArray[np.float64], parts: Parts, row_length: int, arena: Arena, precision: float
+    b: NDArray[np.float64], channels: int, parts: Parts, arena: Arena, precision: float
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_], float, int]:
     """x, the parts where it was cheap to find, a bound of its error there, and how many sweeps that took."""
     sizes = parts.sizes
-    largest, width = int(sizes.max()), b.shape[1] + 1
-    black = largest // 2 + 1  # of the larger parts only one colour of a checkerboard has records
-    row = kernels.SUMS + width + kernels.ROOM
+    n, largest, lanes = len(b), int(sizes.max()), b.shape[1]
+    slots, together = largest + 2, kernels.TOGETHER * lanes
+    x = arena.doubles(n + 2, lanes)
+    x[:2] = 0
+    bounds, sweeps = arena.doubles(len(sizes)), arena.integers(len(sizes))
     scratch = (
-        arena.integers(black * (kernels.LINKS + kernels.ROOM)),
-        arena.doubles(max(black * row, largest * (kernels.WINDOW + width))),
-        arena.doubles(black * width),
-        arena.doubles(black * (width + 1)),
-        arena.integers(black + 1),
-        arena.integers(black * (kernels.ROOM + kernels.TOGETHER)),
-        arena.doubles(black * (kernels.ROOM + kernels.TOGETHER)),
-        *(arena.integers(size) for size in (black, black, black, black, largest)),
-        arena.doubles(kernels.WINDOW * (kernels.WINDOW + width)),
-        arena.integers(len(b)),
+        np.zeros(kernels.KEPT),
+        *(arena.floats(lanes * slots) for _ in range(2)),
+        arena.integers(4 * slots),
+        arena.floats(slots),
+        arena.integers(2, largest // kernels.CHUNK + 1),
+        arena.longs(2 * kernels.MOST_SWEEPS),
+        arena.floats(together),
+        arena.integers(together),
+        arena.integers(n),
+        arena.integers(largest),
+        arena.doubles(lanes),
+        arena.longs(lanes),
+        arena.doubles(largest * (kernels.WINDOW + lanes)),
+        arena.doubles(kernels.WINDOW * (kernels.WINDOW + lanes)),
     )
-    x, z = arena.doubles(*b.shape), arena.doubles(len(b))
-    softness, sweeps = arena.doubles(len(sizes)), arena.integers(len(sizes))
-    # Calls of about equally many unknowns.
-    cuts = np.flatnonzero(np.diff(parts.starts[1:] // CALL)) + 1
-    edges = [0, *cuts.tolist(), len(sizes)]
-    for first, end in pairwise(edges):
-        where = parts.near, parts.order, parts.rank, parts.starts, parts.place, row_length, first, end
-        kernels.solve_parts(x, z, softness, sweeps, *scratch, b, *where, precision)
-    residuals = arena.longs(len(sizes))
-    residuals[:] = 0
-    for call in _calls(len(b)):
-        kernels.find_residuals(residuals, x, b, parts.near, parts.part, *call)
-    bounds = softness * residuals.view(np.float64)
+    where = b, parts.near, parts.colour, parts.order, parts.rank, parts.starts, channels
+    part = 0
+    while part < len(sizes):
+        part = kernels.solve_parts(x, bounds, sweeps, *scratch, *where, part, len(sizes), precision, CALL)
     solved = sweeps >= 0
-    return x, solved, float(bounds.max(where=solved, initial=0)), int(sweeps.max(where=solved, initial=0))
+    return x[2:], solved, float(bounds.max(where=solved, initial=0)), int(sweeps.max(where=solved, initial=0))
 
 
 def _right_hand_side(problem: PoissonProblem, parts: Parts, arena: Arena) -> NDArray[np.float64]:
     """The problem's residual at the first guess, (n, C)."""
     canvas = problem.canvas
     height, width, channels = canvas.shape
-    b = arena.doubles(len(parts.place), channels)
+    b = arena.doubles(len(parts.place), _lanes(channels))
     rim = canvas.rim()
     if rim is not None:
-        rim_of = rim.values, rim.row, rim.col
-        kernels.sum_rim(b, arena.integers(3 * width), parts.place, parts.near, *rim_of, width)
+        scratch = arena.integers(3 * width), arena.floats((1 + len(rim.row)) * b.shape[1])
+        kernels.sum_rim(b, *scratch, parts.place, parts.near, rim.values, rim.row, rim.col, width)
         return b
     for band in canvas.equations(0, canvas.shape[0]):
         low, high = _within(parts.place, band.first, band.end, width)
@@ -214,6 +215,11 @@ def _right_hand_side(problem: PoissonProblem, parts: Parts, arena: Arena) -> NDA
             v = [_or_nothing(array, band.values) for array in (band.across, band.down, band.rhs)]
             kernels.sum_pairs(b, parts.place, band.values, *v, height, band.top, low, high)
     return b
+
+
+def _lanes(channels: int) -> int:
+    """Lanes of so many channels, and of A z = 1."""
+    return -(-(channels + 1) // kernels.FOUR) * kernels.FOUR
 
 
 def _within(place: NDArray[np.int64], first: int, end: int, width: int) -> tuple[int, int]:

@@ -8,45 +8,55 @@ from solvers.kernels.policy import inlined, jit, loops
 from solvers.native.prefetch import prefetch
 
 KNOWN, BEYOND = -1, -2  # in place of a neighbour's number: the pixel is known, the image ends
-
-# An unknown's record among the integers: how it stands, how many neighbours, and which;
-STATE, DEGREE, LINKS = range(3)
-# and among the numbers: d, then b of each channel, then the weights of its neighbours, in the same order.
-DIAGONAL, SUMS = range(2)
-
-# How an unknown stands.
-WAITING, STACKED, ELIMINATED = range(3)
-
-ROOM = 14  # neighbours that a record has room for: a cache line with the rest
-# Unknowns with so many neighbours are eliminated, those with the fewest first: a stroke has two or three at its end.
-FEWEST, MOST = 2, 6
+RED, BLACK = 0, 1
 
 u = np.uint64  # what arrays are indexed with, see solvers.kernels
 
+FOUR = 4  # lanes
 WINDOW = 8  # equations at hand in `solve_in_window`
+CHUNK = 128  # slots, see `sweep_slots`: what some chunks of both colours hold stays in the second-level cache
 
-# Over-relaxation of what elimination leaves.
-FIRST_OMEGA = 1.2  # for the first sweeps;
-LOOK = 3  # after so many it is chosen anew, and they are ended if the error is small;
-SWEEPS = 90  # after so many they are given up
-LARGEST_RHO = 0.9999
-APART = (
-    4  # equations in a row are mostly neighbours', which wait for each other: they are relaxed so far apart
-)
-TOGETHER = 4  # neighbours are added
-Z_PRECISION = 1e-3  # the solution of A z = 1 is used as a bound: this share of it may be missing
-FLOOR = 1e-14  # share of x that is rounding
+# Over-relaxation.
+FIRST_OMEGA, FIRST_SWEEPS = 1.5, 8  # before anything is known of a part,
+FIRST_GAIN = 0.03  # and what these make of |r|, about
+MOST_SWEEPS = 16  # between two looks
+SWEEPS = 150  # after so many, or if so many would be needed, a part is given up
+STANDING_OUT = 0.31  # rho is 1 - 0.31 / max z in a stripe, 1 - 0.36 / max z in a square, 1 - 0.25 / max z at most
+FASTEST = 0.2  # what a sweep is expected to contract by, at best
+GAIN, ROUNDING = 1e-4, 2e-6  # a stage makes residuals so much smaller, or by this share of the softness
+TOGETHER = 4  # slots
+FLOOR = 4e-16  # share of b that is rounding
+ROUNDED = 1e-6  # share of a stage's |r| that is rounding
 
 TILE = 32  # columns, see `survey`
 AHEAD = 24  # unknowns: how far before its turn its pixels are asked for
 
 ABS_BITS = np.int64(0x7FFFFFFFFFFFFFFF)  # all but the sign of a float64
+SHORT_ABS_BITS = np.int32(0x7FFFFFFF)  # and of a float32
 
 
 @inlined
 def bits_of(value):
     """The bit pattern of |value|: as integers these order like the values, with NaN on top."""
     return np.float64(value).view(np.int64) & ABS_BITS
+
+
+@inlined
+def short_bits_of(value):
+    """The same of a float32."""
+    return np.int32(np.float32(value).view(np.int32) & SHORT_ABS_BITS)
+
+
+@inlined
+def short_float_of(bits):
+    """The value of a float32's bit pattern, in float64."""
+    return np.float64(np.int32(bits).view(np.float32))
+
+
+@inlined
+def float_of(bits):
+    """The value of a bit pattern."""
+    return np.int64(bits).view(np.float64)
 
 
 # --- a first look -------------------------------------------------------------------------------------------------
@@ -104,12 +114,12 @@ def root_of(part, i):
 
 
 @jit
-def link(near, part, place, height, width, above, first, end):
+def link(near, part, colour, place, height, width, above, first, end):
     """The neighbours of unknowns first ... end, which are numbered in reading order.
 
     near: (n, 4) int32, the numbers of the north, west, east and south neighbour, or KNOWN, or BEYOND.  part: (n,)
     int32, a lower number in the same part, or an unknown's own if there is none: what `number_parts` starts from.
-    place: (n,) int64, row * width + column of the unknowns, ascending.
+    colour: (n,) int32, RED or BLACK, as on a chessboard.  place: (n,) int64, row * width + column of the unknowns, ascending.
 
     above: the first unknown not before the pixel north of this one, or any before that; returns that of the next.
     """
@@ -123,6 +133,7 @@ def link(near, part, place, height, width, above, first, end):
         north = np.int64(BEYOND if row == 0 else KNOWN)
         west = np.int64(BEYOND if at == next_row - width else KNOWN)
         near[u(i), 2] = BEYOND if at == next_row - 1 else KNOWN
+        colour[u(i)] = (row + at - (next_row - width)) & 1
         near[u(i), 3] = BEYOND if row == height - 1 else KNOWN
         root = np.int64(i)
         part[u(i)] = i
@@ -185,17 +196,54 @@ def sort_parts(order, rank, ends, part, starts):
 # --- right-hand side and solution --------------------------------------------------------------------------------
 
 
+@inlined
+def sum_inside(b, to, f, v_across, v_down, own, pair, line, channels, guided):
+    """The sums of `sum_pairs` for a pixel away from the image's edges."""
+    for c in range(channels):
+        o, p = u(own + c), u(pair + c)
+        here = np.float64(f[o])
+        total = (np.float64(f[o - u(line)]) - here) + (np.float64(f[o + u(line)]) - here)
+        total += (np.float64(f[o - u(channels)]) - here) + (np.float64(f[o + u(channels)]) - here)
+        if guided:
+            total += np.float64(v_down[o]) - np.float64(v_down[o - u(line)])
+            total += np.float64(v_across[p]) - np.float64(v_across[p - u(channels)])
+        b[u(to + c)] = total
+
+
+@inlined
+def sum_at_edge(b, to, f, v_across, v_down, own, pair, line, channels, guided, north, west, east, south):
+    """The same for any pixel; which neighbours there are."""
+    # In place of a pixel beyond the edge stands the pixel itself.
+    above, below, left, right = north * line, south * line, west * channels, east * channels
+    for c in range(channels):
+        o, p = own + c, pair + c
+        here = np.float64(f[u(o)])
+        total = (np.float64(f[u(o - above)]) - here) + (np.float64(f[u(o + below)]) - here)
+        total += (np.float64(f[u(o - left)]) - here) + (np.float64(f[u(o + right)]) - here)
+        if guided:
+            if north:
+                total -= np.float64(v_down[u(o - line)])
+            if south:
+                total += np.float64(v_down[u(o)])
+            if west:
+                total -= np.float64(v_across[u(p - channels)])
+            if east:
+                total += np.float64(v_across[u(p)])
+        b[u(to + c)] = total
+
+
 @jit
 def sum_pairs(b, place, values, across, down, rhs, height, top, low, high):
     """b_p = rhs_p + sum over q of v_pq - (f_p - f_q), in float64, for the unknowns low ... high.
 
-    b: (n, channels) float64.  values: (rows, width, channels) f, known outside the region, first guess inside; row
-    `top` of the image of this height comes first.  across, down: v on pixel pairs (`Guidance`); rhs: like values;
-    arrays without rows stand for zeros.
+    b: (n, lanes) float64: behind the channels comes the 1 of A z = 1.  values: (rows, width, channels) f, known outside
+    the region, first guess inside; row `top` of the image of this height comes first.  across, down: v on pixel pairs
+    (`Guidance`); rhs: like values; arrays without rows stand for zeros.
     """
     width, channels = values.shape[1:]
-    line = width * channels
+    lanes, line = b.shape[1], width * channels
     f, v_across, v_down, more = values.reshape(-1), across.reshape(-1), down.reshape(-1), rhs.reshape(-1)
+    sums = b.reshape(-1)
     guided, weighed = across.shape[0] + down.shape[0] > 0, rhs.shape[0] > 0
     row, next_row = np.int64(top), (np.int64(top) + 1) * width
     for i in range(low, high):
@@ -204,7 +252,7 @@ def sum_pairs(b, place, values, across, down, rhs, height, top, low, high):
             row += 1
             next_row += width
         y, x = row - top, at - (next_row - width)
-        own, pair = (y * width + x) * channels, (y * (width - 1) + x) * channels
+        to, own, pair = lanes * i, (y * width + x) * channels, (y * (width - 1) + x) * channels
 
         ahead = (place[u(min(i + AHEAD, high - 1))] - top * width) * channels
         prefetch(f, ahead)
@@ -217,52 +265,54 @@ def sum_pairs(b, place, values, across, down, rhs, height, top, low, high):
         if weighed:
             prefetch(more, ahead)
 
+        for lane in range(channels, lanes):
+            sums[u(to + lane)] = lane == channels
         north, south, west, east = row > 0, row < height - 1, x > 0, x < width - 1
-        # In place of a pixel beyond the edge stands the pixel itself.
-        above, below, left, right = north * line, south * line, west * channels, east * channels
-        for c in range(channels):
-            o, p = own + c, pair + c
-            here = np.float64(f[u(o)])
-            total = (np.float64(f[u(o - above)]) - here) + (np.float64(f[u(o + below)]) - here)
-            total += (np.float64(f[u(o - left)]) - here) + (np.float64(f[u(o + right)]) - here)
-            if guided:
-                if north:
-                    total -= np.float64(v_down[u(o - line)])
-                if south:
-                    total += np.float64(v_down[u(o)])
-                if west:
-                    total -= np.float64(v_across[u(p - channels)])
-                if east:
-                    total += np.float64(v_across[u(p)])
-            if weighed:
-                total += np.float64(more[u(o)])
-            b[u(i), u(c)] = total
+        if north and south and west and east:
+            if channels == 3:
+                sum_inside(sums, to, f, v_across, v_down, own, pair, line, 3, guided)
+            else:
+                sum_inside(sums, to, f, v_across, v_down, own, pair, line, channels, guided)
+        else:
+            sides = north, west, east, south
+            sum_at_edge(sums, to, f, v_across, v_down, own, pair, line, channels, guided, *sides)
+        if weighed:
+            for c in range(channels):
+                sums[u(to + c)] += np.float64(more[u(own + c)])
 
 
 @inlined
-def known_of(values, i, span, c):
-    """values[i, c] of (n, span) values, 0 if i is none."""
-    value = values[u(max(i, 0) * span + c)]
-    return value if i >= 0 else 0.0
+def known_beside(ring, at, is_known, lanes):
+    """Where the lanes begin of the rim's pixel at a place of the ring; 0, where zeros are, if that pixel is none."""
+    which = np.int64(ring[u(at if is_known else 0)]) + 1
+    return u(lanes * which if is_known else 0)
 
 
-@inlined
-def known_beside(ring, at, is_known):
-    """Which of the rim's pixels lies at a place of the ring; -1 if that pixel is none of them."""
-    which = np.int64(ring[u(at if is_known else 0)])
-    return which if is_known else np.int64(-1)
+@loops
+def sum_four(b, to, known, north, west, east, south):
+    """b = the sum of known values beside an unknown, in four lanes."""
+    for lane in range(u(FOUR)):
+        b[to + lane] = np.float64(
+            (known[north + lane] + known[south + lane]) + (known[west + lane] + known[east + lane])
+        )
 
 
 @jit
-def sum_rim(b, ring, place, near, values, rows, cols, width):
+def sum_rim(b, ring, known, place, near, values, rows, cols, width):
     """The same where the first guess and v are zero: b = the sum of the known values beside each unknown.
 
-    ring: (3 * width,) int32, scratch: of the pixels in three rows, which of the rim's each is.  near: of `link`.
-    values: (m, channels) float32 of the known pixels in `rows` and `cols`, in reading order: all that have an unknown
-    neighbour.
+    ring: (3 * width,) int32, scratch: of the pixels in three rows, which of the rim's each is.  known: ((1 + m) lanes,)
+    float32, scratch.  near: of `link`.  values: (m, channels) float32 of the known pixels in `rows` and `cols`, in
+    reading order: all that have an unknown neighbour.  They are integers, or halves, below 2^18: float32 sums them up
+    exactly.
     """
-    channels, pixels = values.shape[1], rows.shape[0]
-    flat = values.reshape(-1)
+    lanes, channels, pixels = b.shape[1], values.shape[1], rows.shape[0]
+    sums = b.reshape(-1)
+    for k in range(u(lanes * (1 + pixels))):
+        known[k] = np.float32(0.0)
+    for k in range(pixels):
+        for c in range(channels):
+            known[u(lanes * (1 + k) + c)] = values[u(k), u(c)]
     row, next_row = np.int64(-1), np.int64(0)
     above = here = below = np.int64(0)  # where the rows begin in the ring
     entered = np.int64(0)
@@ -277,25 +327,20 @@ def sum_rim(b, ring, place, near, values, rows, cols, width):
                 ring[u(rows[u(entered)] % 3 * width + cols[u(entered)])] = entered
                 entered += 1
         col = at - (next_row - width)
-        north = known_beside(ring, above + col, near[u(i), 0] == KNOWN)
-        west = known_beside(ring, here + col - 1, near[u(i), 1] == KNOWN)
-        east = known_beside(ring, here + col + 1, near[u(i), 2] == KNOWN)
-        south = known_beside(ring, below + col, near[u(i), 3] == KNOWN)
-        for c in range(channels):
-            along = np.float64(known_of(flat, north, channels, c)) + np.float64(
-                known_of(flat, south, channels, c)
-            )
-            across = np.float64(known_of(flat, west, channels, c)) + np.float64(
-                known_of(flat, east, channels, c)
-            )
-            b[u(i), u(c)] = along + across
+        north = known_beside(ring, above + col, near[u(i), 0] == KNOWN, lanes)
+        west = known_beside(ring, here + col - 1, near[u(i), 1] == KNOWN, lanes)
+        east = known_beside(ring, here + col + 1, near[u(i), 2] == KNOWN, lanes)
+        south = known_beside(ring, below + col, near[u(i), 3] == KNOWN, lanes)
+        for p in range(u(0), u(lanes), u(FOUR)):
+            sum_four(sums, u(lanes * i) + p, known, north + p, west + p, east + p, south + p)
+        sums[u(lanes * i + channels)] = 1.0
 
 
 @jit
 def add_at(guess, solution, place, low, high, top):
     """guess += solution at the unknowns low ... high.
 
-    guess: (rows, width, channels), of which row `top` of the image comes first.  solution: (n, channels) float64.
+    guess: (rows, width, channels), of which row `top` of the image comes first.  solution: (n, channels or more) float64.
     """
     width, channels = guess.shape[1:]
     flat, before = guess.reshape(-1), top * width
@@ -306,69 +351,75 @@ def add_at(guess, solution, place, low, high, top):
             flat[u(at + c)] += solution[u(i), u(c)]
 
 
-# --- elimination in reading order --------------------------------------------------------------------------------
+# --- lanes ---------------------------------------------------------------------------------------------------------
+#
+# The channels of an unknown, and behind them the solution of A z = 1, lie side by side in *lanes*, as many as make
+# whole fours: four loads at a place are one vector.  x has two unknowns more at its beginning, KNOWN and BEYOND, which
+# are zero, so that nothing need be asked when neighbours are added up.
+
+@loops
+def add_four(x, to, y, at, factor):
+    """x[to ...] += factor * y[at ...]."""
+    for lane in range(u(FOUR)):
+        x[u(to) + lane] += factor * y[u(at) + lane]
 
 
 @loops
-def add_scaled(sums, to, others, a, factor, n):
-    """sums[to ...] += factor * others[a ...], n of them."""
-    for k in range(u(n)):
-        sums[u(to) + k] += factor * others[u(a) + k]
+def scale_four(x, to, y, at, factor):
+    """x[to ...] = factor * y[at ...]."""
+    for lane in range(u(FOUR)):
+        x[u(to) + lane] = factor * y[u(at) + lane]
 
 
 @inlined
-def add_channels(sums, to, a, factor, width):
-    """sums[to ...] += factor * sums[a ...], `width` of them; four, for three channels, in one go."""
-    if width == 4:
-        add_scaled(sums, to, sums, a, factor, 4)
-    else:
-        add_scaled(sums, to, sums, a, factor, width)
-
-
-@inlined
-def add_row(sums, to, others, a, factor, width):
-    """sums[to ...] += factor * others[a ...], a row of the window.  In two pieces of whole vectors: LLVM would make one
-    loop of them, with masks, and what is stored through a mask takes long to be read again.
+def add_scaled(x, to, y, at, factor, n):
+    """x[to ...] += factor * y[at ...], n of them, a multiple of four.  Piece by piece: LLVM would make masked stores of
+    twelve values, and what is stored through a mask takes long to be read again.
     """
-    add_scaled(sums, to, others, a, factor, WINDOW)
-    if width == 4:
-        add_scaled(sums, to + WINDOW, others, a + WINDOW, factor, 4)
-    else:
-        add_scaled(sums, to + WINDOW, others, a + WINDOW, factor, width)
-
-
-@loops
-def scale(sums, to, others, a, factor, n):
-    """sums[to ...] = factor * others[a ...], n of them."""
-    for k in range(u(n)):
-        sums[u(to) + k] = factor * others[u(a) + k]
+    for piece in range(0, n, FOUR):
+        add_four(x, to + piece, y, at + piece, factor)
 
 
 @inlined
-def scale_row(sums, to, others, a, factor, width):
-    """The same for a row of the window."""
-    scale(sums, to, others, a, factor, WINDOW)
-    if width == 4:
-        scale(sums, to + WINDOW, others, a + WINDOW, factor, 4)
-    else:
-        scale(sums, to + WINDOW, others, a + WINDOW, factor, width)
+def scale(x, to, y, at, factor, n):
+    """x[to ...] = factor * y[at ...], n of them, a multiple of four."""
+    for piece in range(0, n, FOUR):
+        scale_four(x, to + piece, y, at + piece, factor)
 
 
 @inlined
 def neighbours(near, i):
     """How many neighbours of unknown i are inside the image."""
-    inside = 0.0
-    for side in range(4):
-        inside += near[u(i), side] != BEYOND
-    return inside
+    north, west, east, south = near[u(i), 0], near[u(i), 1], near[u(i), 2], near[u(i), 3]
+    if min(min(north, west), min(east, south)) != BEYOND:  # nearly always
+        return 4.0
+    return 4.0 - ((north == BEYOND) + (west == BEYOND) + (east == BEYOND) + (south == BEYOND))
+
+
+@loops
+def find_four_residuals(residual, piece, largest, to, x, own, north, west, east, south, d, b, at):
+    """residual[piece ...] = b - A x in four lanes, in float64; largest[to ...]: the bits of the largest one so far."""
+    for lane in range(u(FOUR)):
+        along = np.float64(x[north + lane]) + np.float64(x[south + lane])
+        across = np.float64(x[west + lane]) + np.float64(x[east + lane])
+        left = (np.float64(b[at + lane]) - d * np.float64(x[own + lane])) + (along + across)
+        residual[u(piece) + lane] = left
+        bits = bits_of(left)
+        largest[u(to) + lane] = bits if bits > largest[u(to) + lane] else largest[u(to) + lane]
 
 
 @inlined
-def sum_around(values, near, i, span, c):
-    """The sum of values[p, c] over the neighbours p of unknown i."""
-    north, west, east, south = near[u(i), 0], near[u(i), 1], near[u(i), 2], near[u(i), 3]
-    along = known_of(values, north, span, c) + known_of(values, south, span, c)
-    return along + (known_of(values, west, span, c) + known_of(values, east, span, c))
+def residuals_of(residual, largest, to, x, b, near, i, lanes):
+    """residual = b - A x in the lanes of unknown i; largest[to ...]: the bits of the largest one so far."""
+    at, own, d = lanes * i, lanes * (i + 2), neighbours(near, i)
+    north, west = lanes * (np.int64(near[u(i), 0]) + 2), lanes * (np.int64(near[u(i), 1]) + 2)
+    east, south = lanes * (np.int64(near[u(i), 2]) + 2), lanes * (np.int64(near[u(i), 3]) + 2)
+    for k in range(0, lanes, FOUR):
+        places = u(own + k), u(north + k), u(west + k), u(east + k), u(south + k)
+        find_four_residuals(residual, k, largest, to + k, x, *places, d, b, u(at + k))
+
+
+# --- elimination in reading order --------------------------------------------------------------------------------
 
 
 @jit
@@ -386,9 +437,9 @@ def reach_of(near, order, rank, start, n):
 
 
 @inlined
-def enter(window, b, near, order, rank, start, k, width):
+def enter(window, b, near, order, rank, start, k, lanes):
     """Writes the equation of a part's unknown k into the window: what is known of it, and of earlier unknowns."""
-    span, slot = WINDOW + width, k % WINDOW
+    span, slot = WINDOW + lanes, k % WINDOW
     own, i = slot * span, np.int64(order[u(start + k)])
     for j in range(u(WINDOW)):
         window[u(own) + j] = 0.0
@@ -398,454 +449,404 @@ def enter(window, b, near, order, rank, start, k, width):
         if other >= 0:
             there = (rank[u(other)] - start) % WINDOW
             window[u(own + there)] = window[u(there * span + slot)] = -1.0
-    for c in range(width - 1):
-        window[u(own + WINDOW + c)] = b[u(i), u(c)]
-    window[u(own + WINDOW + width - 1)] = 1.0
+    scale(window, own + WINDOW, b, lanes * i, 1.0, lanes)
 
 
 @jit
-def solve_in_window(sums, window, b, near, order, rank, start, n, reach, width):
+def solve_in_window(sums, window, b, near, order, rank, start, n, reach, lanes):
     """Solves A x = b on a part in which neighbours are at most `reach` < WINDOW apart, eliminating in reading order.
 
     Eliminating an unknown changes no equation but the next `reach`.  The window holds those: row and column of unknown
-    k are its k mod WINDOW, and `width` channels of b follow.  Row k of `sums` is what its equation was at its turn, by
-    d_k; x takes the place of b there.
+    k are its k mod WINDOW, and the lanes of b follow.  Row k of `sums` is what its equation was at its turn, by d_k; x
+    takes the place of b there.
     """
-    span = WINDOW + width
+    span = WINDOW + lanes
     entered = np.int64(0)
     for k in range(n):
         last = min(k + reach, n - 1)
         while entered <= last:
-            enter(window, b, near, order, rank, start, entered, width)
+            enter(window, b, near, order, rank, start, entered, lanes)
             entered += 1
         slot = k % WINDOW
         own, row = slot * span, k * span
         inverse = 1.0 / window[u(own + slot)]
-        scale_row(sums, row, window, own, inverse, width)
+        scale(sums, row, window, own, inverse, span)
         for other in range(k + 1, last + 1):
             there = other % WINDOW * span
             weight = window[u(there + slot)]
-            add_row(window, there, sums, row, -weight, width)
+            add_scaled(window, there, sums, row, -weight, span)
             window[u(there + slot)] = 0.0
     for back in range(n):
         k = n - 1 - back
         row = k * span
         for other in range(k + 1, min(k + reach, n - 1) + 1):
             weight = sums[u(row + other % WINDOW)]
-            add_channels(sums, row + WINDOW, other * span + WINDOW, -weight, width)
+            add_scaled(sums, row + WINDOW, sums, other * span + WINDOW, -weight, lanes)
 
 
-# --- larger parts: half of the unknowns first ---------------------------------------------------------------------
+# --- over-relaxation ---------------------------------------------------------------------------------------------
 #
-# Coloured like a checkerboard, the red unknowns of a part have none but black neighbours.  So all red ones are
-# eliminated at once, with no book-keeping: x_r = (b_r + sum of x_p) / d_r, over up to four black p, adds 1 / d_r to the
-# weight between any two of those.  The equation of a black unknown then names the eight black ones around it, straight
-# ahead through one red pixel, diagonally through two.
+# A part is coloured like a checkerboard, and its unknowns are put into *slots*: first the red ones in reading order,
+# then the black ones.  Behind each colour lies a slot more, which is always zero and stands for all known pixels.  A
+# half sweep goes through its own colour from one end to the other, and reads the other colour a few rows at a time.
+#
+# As in multigrid it is float32 that is swept, in stages: `solvers.refinement`.
 
 
-@jit
-def colour(number, members, place, order, row_length, start, n):
-    """Numbers the black ones among a part's n unknowns; returns how many there are, which is no more than half of n.
+@inlined
+def put_into_slots(slot, members, colour, order, start, n):
+    """The slots of a part's n unknowns, which begin at `start` in `order`; returns how many are red.
 
-    number: int32, of each unknown its number among the black ones of its part.  members: (n,) int32, the black unknowns
-    of this part, then the red ones.  place: int64, row * row_length + column.
+    slot: int32, of each unknown.  members: (n,) int32, the red unknowns, then the black ones.
     """
-    odd = np.int64(0)
+    red = n
+    for k in range(start, start + n):
+        red -= colour[u(order[u(k)])]
+    reds, blacks = np.int64(0), red
     for k in range(start, start + n):
         i = order[u(k)]
-        row = place[u(i)] // row_length
-        number[u(i)] = (row + place[u(i)] - row * row_length) & 1
-        odd += number[u(i)]
-    black = np.int64(2 * odd <= n)
-    blacks = odd if black else n - odd
-    count, reds = np.int64(0), blacks
-    for k in range(start, start + n):
-        i = order[u(k)]
-        is_black = np.int64(number[u(i)] == black)
-        members[u(count if is_black else reds)] = i
-        number[u(i)] = count
-        count += is_black
+        is_black = np.int64(colour[u(i)])
+        at = blacks if is_black else reds
+        members[u(at)] = i
+        slot[u(i)] = at + is_black
+        blacks += is_black
         reds += 1 - is_black
-    return blacks
+    return red
 
 
 @inlined
-def share(near, i):
-    """1 / d of unknown i, 0 if it is none: nothing goes to and fro through a known pixel."""
-    inverse = 1.0 / neighbours(near, max(i, 0))
-    return inverse if i >= 0 else 0.0
+def join_slots(links, inverse, reach, near, slot, members, red, n, lanes):
+    """What connects the slots of a part.
 
-
-@inlined
-def beyond(near, i, side):
-    """The neighbour of unknown i on that side, KNOWN if i is none."""
-    other = np.int64(near[u(max(i, 0)), side])
-    return other if i >= 0 else np.int64(KNOWN)
-
-
-@jit
-def record(nodes, sums, b, near, number, members, count, width):
-    """Records of a part's black unknowns, its red ones being eliminated; see `colour`."""
-    stride, span, weights = LINKS + ROOM, SUMS + width + ROOM, SUMS + width
-    flat, channels = b.reshape(-1), width - 1
-    for v in range(count):
-        i = np.int64(members[u(v)])
-        links, own = v * stride + LINKS, v * span
-        north, west = np.int64(near[u(i), 0]), np.int64(near[u(i), 1])
-        east, south = np.int64(near[u(i), 2]), np.int64(near[u(i), 3])
-        by_north, by_west = share(near, north), share(near, west)
-        by_east, by_south = share(near, east), share(near, south)
-        degree = np.int64(0)
-        for other, weight in (
-            (beyond(near, north, 0), by_north),
-            (max(beyond(near, north, 1), beyond(near, west, 0)), by_north + by_west),
-            (max(beyond(near, north, 2), beyond(near, east, 0)), by_north + by_east),
-            (beyond(near, west, 1), by_west),
-            (beyond(near, east, 2), by_east),
-            (max(beyond(near, south, 1), beyond(near, west, 3)), by_south + by_west),
-            (max(beyond(near, south, 2), beyond(near, east, 3)), by_south + by_east),
-            (beyond(near, south, 3), by_south),
-        ):
-            # If it is none, the next one comes here.
-            nodes[u(links + degree)] = number[u(other if other >= 0 else i)]
-            sums[u(own + weights + degree)] = weight
-            degree += other >= 0
-        nodes[u(v * stride + DEGREE)] = degree
-        sums[u(own + DIAGONAL)] = neighbours(near, i) - ((by_north + by_south) + (by_west + by_east))
-        for c in range(channels):
-            along = by_north * known_of(flat, north, channels, c) + by_south * known_of(
-                flat, south, channels, c
-            )
-            across = by_west * known_of(flat, west, channels, c) + by_east * known_of(flat, east, channels, c)
-            sums[u(own + SUMS + c)] = b[u(i), u(c)] + (along + across)
-        sums[u(own + SUMS + width - 1)] = 1.0 + ((by_north + by_south) + (by_west + by_east))
-
-
-# --- elimination, unknowns with few neighbours first --------------------------------------------------------------
-
-
-@inlined
-def eliminate_one(nodes, sums, marks, stack, top, limit, v, d, width):
-    """Takes unknown v out of the equations of its d neighbours.
-
-    Those that have no more than `limit` neighbours left are put on the stack, which held `top`; returns how many it
-    holds now.
+    links: four per slot, where among the lanes of the other colour a neighbour's begin.  inverse: 1 / d.  reach: (2,
+    chunks) int32, of each chunk of a colour the last slot of the other one that it reads; -1 if it reads none.
     """
-    stride, span, weights = LINKS + ROOM, SUMS + width + ROOM, SUMS + width
-    links, own = v * stride + LINKS, v * span
-    inverse = 1.0 / sums[u(own + DIAGONAL)]
-    sums[u(own + DIAGONAL)] = inverse
-    nodes[u(v * stride + STATE)] = ELIMINATED
-    for p in range(d):
-        q, weight = np.int64(nodes[u(links + p)]), sums[u(own + weights + p)]
-        base, there = q * stride + LINKS, q * span
-        share = weight * inverse
-        sums[u(there + DIAGONAL)] -= share * weight
-        add_channels(sums, there + SUMS, own + SUMS, share, width)
-        # Where each neighbour of q stands in its record.  What was marked before is wrong, and found to be so.
-        degree = np.int64(nodes[u(q * stride + DEGREE)])
-        for at in range(degree):
-            marks[u(nodes[u(base + at)])] = at
-        # q forgets v, and comes to know the others.
-        degree -= 1
-        s, last = np.int64(marks[u(v)]), np.int64(nodes[u(base + degree)])
-        nodes[u(base + s)], marks[u(last)] = last, s
-        sums[u(there + weights + s)] = sums[u(there + weights + degree)]
-        for o in range(d):
-            if o != p:
-                r = np.int64(nodes[u(links + o)])
-                more = (weight * sums[u(own + weights + o)]) * inverse
-                s = np.int64(marks[u(r)])
-                if s < degree and nodes[u(base + s)] == r:
-                    sums[u(there + weights + s)] += more
-                else:
-                    nodes[u(base + degree)], sums[u(there + weights + degree)] = r, more
-                    degree += 1
-        nodes[u(q * stride + DEGREE)] = degree
-        if degree <= limit and nodes[u(q * stride + STATE)] == WAITING:
-            nodes[u(q * stride + STATE)] = STACKED
-            stack[u(top)] = q
-            top += 1
-    return top
-
-
-@inlined
-def crowded(nodes, v, d):
-    """Whether a neighbour of v, which has d, might have no room for the others."""
-    stride = LINKS + ROOM
-    for p in range(d):
-        q = np.int64(nodes[u(v * stride + LINKS + p)])
-        if nodes[u(q * stride + DEGREE)] + d - 2 > ROOM:
-            return True
-    return False
-
-
-@jit
-def eliminate(nodes, sums, marks, stack, left, sequence, n, width):
-    """Eliminates unknowns with up to `MOST` neighbours, those with few first; returns how many.
-
-    Eliminating x_p = (b_p + sum of w_pq x_q) / d_p leaves its neighbours coupled with each other, by w_pq w_pr / d_p
-    more than before.  The record of p stays as it is then, for `substitute`, but with 1 / d_p for d_p.
-
-    First come all that have up to two neighbours, or have no more by then, next all with three, and so on.  Whoever
-    loses a neighbour is looked at at once, so that a stroke is followed from its end.
-
-    nodes, sums: a record of each unknown, with `width` channels.  marks, stack: (n,), scratch.  sequence: the unknowns
-    in the order of elimination.  left: (n,), becomes those that are left.
-    """
-    stride = LINKS + ROOM
-    for k in range(n):
-        nodes[u(k * stride + STATE)] = WAITING
-        left[u(k)], marks[u(k)] = k, 0
-    done, remaining = np.int64(0), np.int64(n)
-    for limit in range(FEWEST, MOST + 1):
-        waiting, remaining = remaining, np.int64(0)
-        for k in range(waiting):
-            seed = np.int64(left[u(k)])
-            at = seed * stride
-            if nodes[u(at + STATE)] != WAITING:
-                continue
-            left[u(remaining)] = seed
-            remaining += 1
-            if nodes[u(at + DEGREE)] > limit:
-                continue
-            stack[0] = seed
-            top = np.int64(1)
-            while top > 0:
-                top -= 1
-                v = np.int64(stack[u(top)])
-                at = v * stride
-                nodes[u(at + STATE)] = WAITING
-                d = np.int64(nodes[u(at + DEGREE)])
-                if d > limit or (d > 2 and crowded(nodes, v, d)):
-                    continue
-                # Most have three or four, and a loop of known length is left without a wrong guess of the processor.
-                if d == 2:
-                    top = eliminate_one(nodes, sums, marks, stack, top, limit, v, 2, width)
-                elif d == 3:
-                    top = eliminate_one(nodes, sums, marks, stack, top, limit, v, 3, width)
-                elif d == 4:
-                    top = eliminate_one(nodes, sums, marks, stack, top, limit, v, 4, width)
-                else:
-                    top = eliminate_one(nodes, sums, marks, stack, top, limit, v, d, width)
-                sequence[u(done)] = v
-                done += 1
-    waiting, remaining = remaining, np.int64(0)
-    for first in range(APART):
-        for k in range(first, waiting, APART):
-            stack[u(remaining)] = left[u(k)]
-            remaining += nodes[u(left[u(k)] * stride + STATE)] == WAITING
-    for k in range(remaining):
-        left[u(k)] = stack[u(k)]
-    return done
-
-
-@jit
-def substitute(nodes, sums, sequence, done, width):
-    """x in place of b for the unknowns that `eliminate` eliminated; those of all others stand there already."""
-    stride, span, weights = LINKS + ROOM, SUMS + width + ROOM, SUMS + width
-    for k in range(done - 1, -1, -1):
-        v = np.int64(sequence[k])
-        links, own = v * stride + LINKS, v * span
-        inverse = sums[u(own + DIAGONAL)]
-        for p in range(nodes[u(v * stride + DEGREE)]):
-            there = np.int64(nodes[u(links + p)]) * span
-            add_channels(sums, own + SUMS, there + SUMS, sums[u(own + weights + p)], width)
-        for c in range(SUMS, SUMS + width):
-            sums[u(own + c)] *= inverse
-
-
-# --- over-relaxation of what is left ------------------------------------------------------------------------------
+    for is_black in range(2):
+        first, end = (red, n) if is_black else (np.int64(0), red)
+        other, nothing = (np.int64(0), red) if is_black else (red + 1, n - red)
+        last = np.int64(-1)
+        for k in range(first, end):
+            i, own = np.int64(members[u(k)]), k + is_black
+            for side in range(4):
+                j = np.int64(near[u(i), side])
+                at = np.int64(slot[u(max(j, 0))]) - other
+                last = max(last, at) if j >= 0 else last
+                links[u(4 * own + side)] = lanes * (at if j >= 0 else nothing)
+            inverse[u(own)] = 1.0 / neighbours(near, i)
+            if (k + 1 - first) % CHUNK == 0 or k + 1 == end:
+                reach[is_black, u((k - first) // CHUNK)] = last
+                last = np.int64(-1)
 
 
 @loops
-def find_residual(residual, terms, values, b, x, d, n):
-    """residual = b - d x in n channels."""
-    for c in range(u(n)):
-        residual[c] = terms[u(b) + c] - d * values[u(x) + c]
-
-
-@loops
-def add_neighbours(residual, values, weights, w, one, two, three, four, n):
-    """residual += the sum of w x over four neighbours, in n channels."""
-    for c in range(u(n)):
-        residual[c] += (weights[u(w)] * values[u(one) + c] + weights[u(w + 1)] * values[u(two) + c]) + (
-            weights[u(w + 2)] * values[u(three) + c] + weights[u(w + 3)] * values[u(four) + c]
-        )
+def relax_four(own, other, r, at, one, two, three, four, inverse, omega):
+    """Over-relaxation of four lanes; those of the neighbours begin at one ... four."""
+    for lane in range(u(FOUR)):
+        around = (other[one + lane] + other[four + lane]) + (other[two + lane] + other[three + lane])
+        own[at + lane] += omega * (inverse * (around + r[at + lane]) - own[at + lane])
 
 
 @inlined
-def relax_one(values, residual, terms, edges, links, weights, k, width, omega):
-    """Gauss-Seidel on equation k, over-relaxed by omega; leaves b - A x from before in `residual`.  See `relax`."""
-    x, b = k * width, k * (width + 1)
-    d = terms[u(b + width)]
-    find_residual(residual, terms, values, b, x, d, width)
-    for p in range(edges[u(k)], edges[u(k + 1)], TOGETHER):
-        one, two, three, four = links[u(p)], links[u(p + 1)], links[u(p + 2)], links[u(p + 3)]
-        add_neighbours(residual, values, weights, p, one, two, three, four, width)
-    add_scaled(values, x, residual, 0, omega / d, width)
-
-
-@inlined
-def gather(values, terms, edges, links, weights, nodes, sums, marks, left, n, width):
-    """The equations of the n unknowns that are left, one behind the other; see `relax`."""
-    stride, span = LINKS + ROOM, SUMS + width + ROOM
-    for k in range(n):
-        marks[u(left[u(k)])] = k * width
-    end = np.int64(0)
-    for k in range(n):
-        v = np.int64(left[u(k)])
-        own = v * span
-        for c in range(width):
-            values[u(k * width + c)] = 0.0
-            terms[u(k * (width + 1) + c)] = sums[u(own + SUMS + c)]
-        terms[u(k * (width + 1) + width)] = sums[u(own + DIAGONAL)]
-        edges[u(k)] = end
-        for p in range(nodes[u(v * stride + DEGREE)]):
-            links[u(end)] = marks[u(nodes[u(v * stride + LINKS + p)])]
-            weights[u(end)] = sums[u(own + SUMS + width + p)]
-            end += 1
-        while end % TOGETHER != 0:
-            links[u(end)], weights[u(end)] = k * width, 0.0
-            end += 1
-    edges[u(n)] = end
+def relax_slots(own, other, r, links, inverse, first, end, omega, lanes):
+    """Over-relaxation of slots first ... end of a colour, of which r, links and `inverse` are."""
+    for k in range(first, end):
+        of = u(4 * k)
+        one, two = np.int64(links[of]), np.int64(links[of + u(1)])
+        three, four = np.int64(links[of + u(2)]), np.int64(links[of + u(3)])
+        for piece in range(0, lanes, FOUR):
+            at = u(lanes * k + piece)
+            relax_four(
+                own, other, r, at, u(one + piece), u(two + piece), u(three + piece), u(four + piece), inverse[u(k)],
+                omega,
+            )  # fmt: skip
 
 
 @jit
-def relax(values, residual, terms, edges, links, weights, nodes, sums, marks, left, n, width, precision):
-    """x in place of b for the n unknowns that `eliminate` left, by sweeps of over-relaxation; returns how many.
+def sweep_slots(x, r, links, inverse, reach, done, red, n, lanes, omega, count):
+    """`count` sweeps over a part, in a wave: each half sweep goes on as far as the one before it has been where the
+    neighbours are, a chunk at a time, and finds in the cache what that one left.
 
-    All is known of the convergence that there is to know while it goes on, since A z = 1 is solved beside A x = b, as
-    the last channel, whose right-hand side is s after elimination.  For a matrix like this (Collatz 1942), Jacobi's
-    iteration contracts by rho <= 1 - min s_i / (d_i z_i), which gives the best omega (Young 1954); and if all residuals
-    |r_i| <= t s_i, then the error is at most t z.
-
-    values, residual, terms, edges, links, weights: scratch; of each equation x, of one b - A x, of each b and d, where
-    its neighbours begin, and of each neighbour where its x lies, and w.  precision: of x, absolute.  Returns -1 if
-    `SWEEPS` were too few.
+    x, r: float32, the lanes of all slots.  done: (2 * count,) int64, scratch: chunks that a half sweep has done.  omega:
+    float32.
     """
-    gather(values, terms, edges, links, weights, nodes, sums, marks, left, n, width)
-    omega = FIRST_OMEGA
-    for sweep in range(1, SWEEPS + 1):
-        worst, missing, softest, largest, hardest = 0.0, 0.0, 0.0, 0.0, 1.0
-        look = sweep % LOOK == 0
-        for k in range(n):
-            # Of known length the loops over channels become vectors.
-            if width == 4:
-                relax_one(values, residual, terms, edges, links, weights, k, 4, omega)
+    second = red + 1
+    black, halves = n - red, 2 * count
+    x_red, x_black = x[: second * lanes], x[second * lanes :]
+    r_red, r_black = r[: second * lanes], r[second * lanes :]
+    links_red, links_black = links[: 4 * second], links[4 * second :]
+    inverse_red, inverse_black = inverse[:second], inverse[second:]
+    for half in range(halves):
+        done[u(half)] = 0
+    while done[u(halves - 1)] * CHUNK < black:
+        for half in range(halves):
+            is_black = half & 1
+            size, others = (black, red) if is_black else (red, black)
+            k = done[u(half)]
+            first, end = k * CHUNK, min((k + 1) * CHUNK, size)
+            if first >= size:
+                continue
+            if half > 0 and min(done[u(half - 1)] * CHUNK, others) <= reach[is_black, u(k)]:
+                break
+            done[u(half)] = k + 1
+            # Of known length the loop over lanes is gone.
+            if lanes == FOUR:
+                if is_black:
+                    relax_slots(x_black, x_red, r_black, links_black, inverse_black, first, end, omega, FOUR)
+                else:
+                    relax_slots(x_red, x_black, r_red, links_red, inverse_red, first, end, omega, FOUR)
+            elif is_black:
+                relax_slots(x_black, x_red, r_black, links_black, inverse_black, first, end, omega, lanes)
             else:
-                relax_one(values, residual, terms, edges, links, weights, k, width, omega)
-            if look:
-                term = k * (width + 1) + width
-                s, d, last = terms[u(term - 1)], terms[u(term)], width - 1
-                z = values[u(k * width + last)]
-                softest, hardest = max(softest, z), min(hardest, s / (d * z))
-                missing = max(missing, abs(residual[u(last)]) / s)
-                for c in range(last):
-                    worst = max(worst, abs(residual[u(c)]) / s)
-                    largest = max(largest, abs(values[u(k * width + c)]))
-        if not look:
-            continue
-        if worst * softest <= max(precision, FLOOR * largest) and missing <= Z_PRECISION:
-            span = SUMS + width + ROOM
-            for k in range(n):
-                for c in range(width):
-                    sums[u(left[u(k)] * span + SUMS + c)] = values[u(k * width + c)]
-            return sweep
-        rho = min(max(1.0 - hardest, 0.0), LARGEST_RHO)  # while z is on its way it may say anything
-        omega = 2.0 / (1.0 + math.sqrt(1.0 - rho * rho))
-    return -1
+                relax_slots(x_red, x_black, r_red, links_red, inverse_red, first, end, omega, lanes)
 
 
-# --- solution -----------------------------------------------------------------------------------------------------
+@loops
+def look_at_four(found, to, own, other, r, at, one, two, three, four, inverse):
+    """found = (r - A x) / d in four lanes."""
+    for lane in range(u(FOUR)):
+        around = (other[one + lane] + other[four + lane]) + (other[two + lane] + other[three + lane])
+        found[to + lane] = inverse * (around + r[at + lane]) - own[at + lane]
 
 
-@jit
-def unfold(x, z, sums, b, near, members, count, n, width):
-    """x and z of a part's n unknowns: the black ones' from their records, the red ones' from their neighbours'.
-
-    Returns the largest z.
-    """
-    span, largest = SUMS + width + ROOM, 0.0
-    for v in range(count):
-        largest = max(largest, take(x, z, sums, v * span + SUMS, members[u(v)]))
-    flat, channels = x.reshape(-1), width - 1
-    for k in range(count, n):
-        i = np.int64(members[u(k)])
-        inverse = 1.0 / neighbours(near, i)
-        for c in range(channels):
-            x[u(i), u(c)] = inverse * (b[u(i), u(c)] + sum_around(flat, near, i, channels, c))
-        z[u(i)] = inverse * (1.0 + sum_around(z, near, i, 1, 0))
-        largest = max(largest, z[u(i)])
-    return largest
+@loops
+def raise_to(largest, values, first, n):
+    """largest[k] = the bits of the largest |values[first + k]| so far, n of them."""
+    for k in range(u(n)):
+        bits = short_bits_of(values[u(first) + k])
+        largest[k] = bits if bits > largest[k] else largest[k]
 
 
 @inlined
-def take(x, z, sums, own, i):
-    """x and z of unknown i from what lies from `own` on; returns z."""
-    channels = x.shape[1]
+def largest_of_lane(largest, lane, lanes):
+    """The largest value of a lane, from what `raise_to` found for some slots together."""
+    bits = largest[u(lane)]
+    for k in range(1, TOGETHER):
+        other = largest[u(k * lanes + lane)]
+        bits = other if other > bits else bits
+    return short_float_of(bits)
+
+
+@inlined
+def largest_z(largest, x, n, lanes, channels):
+    """largest: (TOGETHER lanes,) int32, scratch."""
+    for k in range(TOGETHER * lanes):
+        largest[u(k)] = 0
+    for first in range(0, n + 2, TOGETHER):
+        raise_to(largest, x, lanes * first, lanes * min(TOGETHER, n + 2 - first))
+    return largest_of_lane(largest, channels, lanes)
+
+
+@inlined
+def largest_residuals(largest, found, x, r, links, inverse, red, n, lanes, channels):
+    """The largest |r - A x| / d of the channels, and that of z.
+
+    largest: (TOGETHER lanes,) int32, found: as many float32, scratch.
+    """
+    for k in range(TOGETHER * lanes):
+        largest[u(k)] = 0
+    for is_black in range(2):
+        base, end, to = (red + 1, n + 1, np.int64(0)) if is_black else (np.int64(0), red, lanes * (red + 1))
+        for first in range(base, end, TOGETHER):
+            slots = min(TOGETHER, end - first)
+            for k in range(first, first + slots):
+                at, of = lanes * k, u(4 * k)
+                one, two = to + links[of], to + links[of + u(1)]
+                three, four = to + links[of + u(2)], to + links[of + u(3)]
+                for p in range(0, lanes, FOUR):
+                    places = u(at + p), u(one + p), u(two + p), u(three + p), u(four + p)
+                    look_at_four(found, u(at - lanes * first + p), x, x, r, *places, inverse[u(k)])
+            raise_to(largest, found, 0, lanes * slots)
+    worst = 0.0
     for c in range(channels):
-        x[u(i), u(c)] = sums[u(own + c)]
-    z[u(i)] = sums[u(own + channels)]
-    return z[u(i)]
+        worst = max(worst, largest_of_lane(largest, c, lanes))
+    return worst, largest_of_lane(largest, channels, lanes)
+
+
+@loops
+def round_four(r, to, b, at, largest, lanes):
+    """r = b, rounded to float32, in four lanes; largest[lanes ...]: the bits of the largest one so far."""
+    for lane in range(u(FOUR)):
+        value = b[at + lane]
+        r[to + lane] = np.float32(value)
+        bits = bits_of(value)
+        largest[u(lanes) + lane] = bits if bits > largest[u(lanes) + lane] else largest[u(lanes) + lane]
+
+
+@loops
+def take_four(total, to, x, at, more):
+    """total = more * total + x, and x = 0, in four lanes."""
+    for lane in range(u(FOUR)):
+        total[to + lane] = (total[to + lane] if more else 0.0) + np.float64(x[at + lane])
+        x[at + lane] = np.float32(0.0)
+
+
+@inlined
+def end_stage(total, x, members, red, n, lanes, stage):
+    """What a stage found is added to the lanes of `total`, which begin with two unknowns more; x = 0."""
+    for k in range(n):
+        to, at = lanes * (np.int64(members[u(k)]) + 2), lanes * (k + (k >= red))
+        for p in range(0, lanes, FOUR):
+            take_four(total, u(to + p), x, u(at + p), stage > 0)
+
+
+@inlined
+def begin_stage(r, residual, largest, total, b, near, members, red, n, lanes, channels, stage):
+    """r = b - A total, rounded to float32, total being zero in the first stage; returns its largest one of a channel."""
+    for lane in range(lanes):
+        largest[u(lane)] = 0
+    for k in range(n):
+        i, at = np.int64(members[u(k)]), lanes * (k + (k >= red))
+        if stage > 0:
+            residuals_of(residual, largest, 0, total, b, near, i, lanes)
+        for p in range(0, lanes, FOUR):
+            if stage > 0:
+                round_four(r, u(at + p), residual, u(p), largest, p)
+            else:
+                round_four(r, u(at + p), b, u(lanes * i + p), largest, p)
+    bits = np.int64(0)
+    for c in range(channels):
+        bits = max(bits, largest[u(c)])
+    return float_of(bits)
+
+
+# What is known of a part that is being relaxed: whether there is one, how many of its unknowns are red, the sweeps so
+# far, the stage, omega, the sweeps to come, max|r| before the stage and before the first one, and a bound of A^-1 1.
+BEGUN, REDS, SWEPT, STAGE, OMEGA, AHEAD, START, WHOLE, SOFTNESS = range(9)
+KEPT = 9  # how many that are
+
+
+@jit
+def relax_part(
+    state, x, r, links, inverse, reach, done, found, seen, residual, largest, total, b, near, members, n, lanes,
+    channels, precision, budget,
+):  # fmt: skip
+    """Over-relaxation of a part until the error is at most `precision`, or `budget` is spent.
+
+    All is known of the convergence that there is to know while it goes on, since A z = 1 is solved beside A x = b.  For
+    a matrix like this, where |1 - A z| <= t < 1: A^-1 1 <= z / (1 - t), and max|b - A x| max A^-1 1 bounds the error.
+    Jacobi's iteration contracts by rho <= 1 - 1 / (d max z) (Collatz 1942), by less where the largest z stands out from
+    its surroundings, and rho gives the best omega (Young 1954).
+
+    state[BEGUN] becomes 0 when the part is done; state[SWEPT] is -1 then if it was given up.  Returns what is left of the
+    budget, and the bound.
+    """
+    red, most = np.int64(state[REDS]), 4.0  # neighbours
+    while budget > 0:
+        count, first = np.int64(state[AHEAD]), state[SWEPT] == 0
+        sweep_slots(x, r, links, inverse, reach, done, red, n, lanes, np.float32(state[OMEGA]), count)
+        state[SWEPT] += count
+        budget -= n * (count + 1)
+        if state[STAGE] == 0:
+            z = largest_z(seen, x, n, lanes, channels)
+            rho = max(1.0 - STANDING_OUT / z, 0.0)
+            state[OMEGA] = 2.0 / (1.0 + math.sqrt(1.0 - rho * rho))
+            if first:  # nothing else is worth to be looked at yet
+                worst = state[START] * FIRST_GAIN
+        if not first:
+            worst, missing = largest_residuals(seen, found, x, r, links, inverse, red, n, lanes, channels)
+            worst *= most
+            if state[STAGE] == 0 and most * missing < 1.0:
+                state[SOFTNESS] = z / (1.0 - most * missing)
+            bound = (worst + ROUNDED * state[START]) * state[SOFTNESS]
+            if bound <= max(precision, FLOOR * state[WHOLE] * state[SOFTNESS]) or state[WHOLE] == 0.0:
+                end_stage(total, x, members, red, n, lanes, state[STAGE])
+                state[BEGUN] = 0
+                return budget, bound if state[WHOLE] > 0.0 else 0.0
+        # How large |r| may be in the end, and at the end of this stage.
+        known = state[SOFTNESS] < np.inf
+        enough = max(precision / state[SOFTNESS], FLOOR * state[WHOLE])
+        gain = max(GAIN, ROUNDING * state[SOFTNESS]) if known else GAIN
+        if known and worst <= gain * state[START]:
+            end_stage(total, x, members, red, n, lanes, state[STAGE])
+            state[STAGE] += 1
+            worst = begin_stage(
+                r, residual, largest, total, b, near, members, red, n, lanes, channels, state[STAGE]
+            )
+            state[START] = worst
+        # A sweep contracts by omega - 1, in the long run.
+        contraction, for_now = max(state[OMEGA] - 1.0, FASTEST), max(enough, gain * state[START])
+        ahead = needed = 1
+        while worst > enough and state[SWEPT] + needed <= SWEEPS:
+            worst *= contraction
+            ahead += worst > for_now
+            needed += 1
+        if state[SWEPT] + (needed if known else 1) > SWEEPS:
+            state[BEGUN], state[SWEPT] = 0, -1
+            return budget, np.inf
+        state[AHEAD] = min(ahead + 1, MOST_SWEEPS)
+    return budget, np.inf
+
+
+# --- all parts ----------------------------------------------------------------------------------------------------
+
+
+@inlined
+def bound_of(residual, largest, x, b, near, order, start, n, lanes, channels):
+    """max|b - A x| max z of a part, which bounds its error."""
+    for lane in range(lanes):
+        largest[u(lane)] = 0
+    softness = 0.0
+    for k in range(start, start + n):
+        i = np.int64(order[u(k)])
+        residuals_of(residual, largest, 0, x, b, near, i, lanes)
+        softness = max(softness, x[u(lanes * (i + 2) + channels)])
+    bits = np.int64(0)
+    for c in range(channels):
+        bits = max(bits, largest[u(c)])
+    return float_of(bits) * softness
 
 
 @jit
 def solve_parts(
-    x, z, softness, sweeps, nodes, sums, values, terms, edges, links, weights, marks, stack, left, sequence, members,
-    window, number, b, near, order, rank, starts, place, row_length, first, end, precision,
+    x, bounds, sweeps, state, swept, r, links, inverse, reach, done, found, seen, slot, members, residual, largest, sums,
+    window, b, near, colour, order, rank, starts, channels, first, end, precision, budget,
 ):  # fmt: skip
-    """Solves A x = b, and A z = 1, on the parts first ... end of the region.
+    """Solves A x = b, and A z = 1 in the lane behind the channels, on the parts first ... end of the region.
 
-    x, b: (n, channels) float64.  z: (n,) float64.  softness: per part, a bound of z.  sweeps: per part, how many it
-    took; -1 if it is not solved, since more would have been needed.  The arrays in between are scratch for the largest
-    part, `number` for all unknowns; see `eliminate`, `relax`, `colour` and `solve_in_window`.  near, order, rank,
-    starts: of `link` and `sort_parts`.  place: (n,) int64, row * row_length + column.  precision: of x, absolute.
+    x: (2 + n, lanes) float64, see above.  bounds: per part, of the error.  sweeps: per part, how many it took; -1 if it
+    was given up.  state: of `relax_part`, 0 at first.  The arrays in between are scratch for the largest part, `slot` for
+    all unknowns.  b: (n, lanes) float64.  near, colour, order, rank, starts: of `link` and `sort_parts`.  precision: of
+    x, absolute.  budget: how many unknowns to sweep, about.
+
+    Returns the part to go on with.
     """
-    channels = b.shape[1]
-    width = channels + 1  # the last one is for A z = 1
+    lanes = b.shape[1]
+    flat, rhs = x.reshape(-1), b.reshape(-1)
     for part in range(first, end):
+        if budget <= 0:
+            return part
         start = np.int64(starts[u(part)])
         n = np.int64(starts[u(part + 1)]) - start
-        sweeps[u(part)] = 0
         if n == 1:
             i = np.int64(order[u(start)])
-            inside = neighbours(near, i)
-            softness[u(part)] = z[u(i)] = 1.0 / inside
-            for c in range(channels):
-                x[u(i), u(c)] = b[u(i), u(c)] / inside
+            scale(flat, lanes * (i + 2), rhs, lanes * i, 1.0 / neighbours(near, i), lanes)
+            sweeps[u(part)], bounds[u(part)] = 0, 0.0
+            budget -= 1
             continue
-        reach = reach_of(near, order, rank, start, n)
-        largest = 0.0
-        if reach < WINDOW:
-            solve_in_window(sums, window, b, near, order, rank, start, n, reach, width)
-            for k in range(n):
-                at = k * (WINDOW + width) + WINDOW
-                largest = max(largest, take(x, z, sums, at, order[u(start + k)]))
-        else:
-            count = colour(number, members, place, order, row_length, start, n)
-            record(nodes, sums, b, near, number, members, count, width)
-            done = eliminate(nodes, sums, marks, stack, left, sequence, count, width)
-            if done < count:
-                sweeps[u(part)] = relax(
-                    values, window, terms, edges, links, weights, nodes, sums, marks, left, count - done, width,
-                    precision,
-                )  # fmt: skip
-            if sweeps[u(part)] >= 0:
-                substitute(nodes, sums, sequence, done, width)
-                # What was missing of z is as of the last look, hence twice.
-                largest = unfold(x, z, sums, b, near, members, count, n, width) * (1.0 + 2.0 * Z_PRECISION)
-        softness[u(part)] = largest
-
-
-@jit
-def find_residuals(largest, x, b, near, part, first, end):
-    """Per part the bit pattern of the largest |b - A x| at its unknowns, of which first ... end are looked at now."""
-    flat, channels = x.reshape(-1), x.shape[1]
-    for i in range(first, end):
-        inside, k = neighbours(near, i), np.int64(part[u(i)])
-        worst = largest[u(k)]
-        for c in range(channels):
-            r = (b[u(i), u(c)] - inside * x[u(i), u(c)]) + sum_around(flat, near, i, channels, c)
-            worst = max(worst, bits_of(r))
-        largest[u(k)] = worst
+        if not state[BEGUN]:
+            reach_ = reach_of(near, order, rank, start, n)
+            if reach_ < WINDOW:
+                solve_in_window(sums, window, rhs, near, order, rank, start, n, reach_, lanes)
+                for k in range(n):
+                    to = lanes * (np.int64(order[u(start + k)]) + 2)
+                    scale(flat, to, sums, k * (WINDOW + lanes) + WINDOW, 1.0, lanes)
+                bounds[u(part)] = bound_of(residual, largest, flat, rhs, near, order, start, n, lanes, channels)
+                sweeps[u(part)] = 0
+                budget -= WINDOW * n
+                continue
+            red = put_into_slots(slot, members, colour, order, start, n)
+            join_slots(links, inverse, reach, near, slot, members, red, n, lanes)
+            for k in range(u(lanes * (n + 2))):
+                swept[k] = np.float32(0.0)
+            most = begin_stage(r, residual, largest, flat, rhs, near, members, red, n, lanes, channels, 0)
+            state[BEGUN], state[REDS], state[SWEPT], state[STAGE] = 1, red, 0, 0
+            state[OMEGA], state[AHEAD], state[SOFTNESS] = FIRST_OMEGA, FIRST_SWEEPS, np.inf
+            state[START] = state[WHOLE] = most
+        budget, bounds[u(part)] = relax_part(
+            state, swept, r, links, inverse, reach, done, found, seen, residual, largest, flat, rhs, near, members, n,
+            lanes, channels, precision, budget,
+        )  # fmt: skip
+        if state[BEGUN]:
+            return part
+        sweeps[u(part)] = np.int32(state[SWEPT])
+    return end

@@ -42,17 +42,16 @@ ENTRY_POINTS = {
 # What only some callers need: float64 throughout, over-relaxation, screening, regions with narrow parts.
 FURTHER = {
     "solve_parts": [
-        "f8[:,:], f8[:], f8[:], i4[:], i4[:], f8[:], f8[:], f8[:], i4[:], i4[:], f8[:], i4[:], i4[:], i4[:], i4[:],"
-        " i4[:], f8[:], i4[:], f8[:,:], i4[:,:], i4[:], i4[:], i4[:], i8[:], i8, i8, i8, f8"
+        "f8[:,:], f8[:], i4[:], f8[:], f4[:], f4[:], i4[:], f4[:], i4[:,:], i8[:], f4[:], i4[:], i4[:], i4[:], f8[:],"
+        " i8[:], f8[:], f8[:], f8[:,:], i4[:,:], i4[:], i4[:], i4[:], i4[:], i8, i8, i8, f8, i8 -> i8"
     ],
     "assemble": [_ASSEMBLE.format(v="f8")],
     "sum_pairs": [
         f"f8[:,:], i8[:], {v}[:,:,:], {v}[:,:,:], {v}[:,:,:], {v}[:,:,:], i8, i8, i8, i8"
         for v in ("f4", "f8")
     ],
-    "sum_rim": ["f8[:,:], i4[:], i8[:], i4[:,:], f4[:,:], i8[:], i8[:], i8"],
-    "find_residuals": ["i8[:], f8[:,:], f8[:,:], i4[:,:], i4[:], i8, i8"],
-    "link": ["i4[:,:], i4[:], i8[:], i8, i8, i8, i8, i8 -> i8"],
+    "sum_rim": ["f8[:,:], i4[:], f4[:], i8[:], i4[:,:], f4[:,:], i8[:], i8[:], i8"],
+    "link": ["i4[:,:], i4[:], i4[:], i8[:], i8, i8, i8, i8, i8 -> i8"],
     "number_parts": ["i4[:], i4[:], i4[:], i4[:,:], i8, i8, i8 -> i8"],
     "locate": ["i8[:], i8, i8[:], b1[:], i8, i8 -> i8"],
     "sort_parts": ["i4[:], i4[:], i4[:], i4[:], i4[:]"],
