@@ -1,14 +1,12 @@
 """Narrow parts of a region, solved pixel by pixel: no grids, no cycles, nothing proportional to the bounding box.
 
 Multigrid sweeps whole vectors of a grid's rows.  In a stroke two pixels wide, or a speck of dust, most of such a vector
-is known already, and the sweeps cost ten times what they cost in a disk.  There, Gaussian elimination is cheaper: it
-takes only the unknowns that there are.
+is known already, and the sweeps cost ten times what they cost in a disk.  There it is cheaper to take only the unknowns
+that there are, one by one, with all channels of one as a vector.
 
 A part of a few pixels across is eliminated in reading order, and all that is in use at a time is a small full matrix.
-In any other, the red half of a checkerboard comes first, and then unknowns that have few neighbours left (minimum
-degree, Tinney and Walker 1967): a stroke is eaten up from its ends.  Where strokes cross, a net of crossings remains
-that is dear to eliminate, but easy to iterate on: known pixels are near everywhere, so that twenty or thirty sweeps of
-over-relaxation solve it, however large it is.
+Any other is relaxed: known pixels are near everywhere, so that twenty or thirty sweeps of over-relaxation solve it,
+however large it is.  Where it is wider than was thought, that is seen after some sweeps, and it is left to multigrid.
 
 Known pixels separate the parts of a region, so that each may be solved in its own way: `split` takes out what is narrow
 enough, and leaves the rest to multigrid.  The error of a solution x is bounded by max|b - A x| max A^-1 1, both of
@@ -16,7 +14,6 @@ which are at hand: A z = 1 is solved beside A x = b, as one more channel.
 """
 
 from collections.abc import Iterator
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -32,12 +29,13 @@ WELL_FILLED = 0.45
 # Mean breadth, in pixels, up to which a part counts as narrow.
 NARROW = 6.0
 # A call of a kernel is not to take longer than .2 s: Python hears signals only in between.
-CALL = 30_000_000  # unknowns to sweep in a call,
-LONG_CALL = 5_000_000  # and of one that looks at each once
-# Over-relaxation goes on until the error was this share of what is allowed, before the last sweep.
-PRECISION = 0.8
+CALL = 30_000_000  # unknowns to sweep in a call, over and over,
+LARGEST_PART = 15_000_000  # or to get ready for that,
+LONG_CALL = 5_000_000  # and of a call that looks at each once
+# Over-relaxation goes on until the bound of the error is this share of what is allowed.
+PRECISION = 0.95
 
-LARGEST_REGION = 1 << 30  # unknowns: they are numbered in 32 bits
+MOST_LANES = 1 << 31  # of all unknowns: they are numbered in 32 bits
 
 ENOUGH = 32  # pairs of rows: no more, or not many more, are looked at to tell whether a region is sparse
 BAND = 1 << 20  # pixels of the region to look at in one go
@@ -102,7 +100,7 @@ class Parts(NamedTuple):
         """Which parts are worth to be tried directly."""
         sizes = self.sizes
         breadth = sizes / (2.0 * sizes - self.pairs)  # twice the area by the perimeter
-        return breadth <= NARROW
+        return (sizes <= LARGEST_PART) & (breadth <= NARROW)
 
 
 class NarrowSolution(NamedTuple):
@@ -112,12 +110,12 @@ class NarrowSolution(NamedTuple):
     ----------
     place : (n,) int64
         Row * width + column of the unknowns, ascending.
-    values : (n, C) float64
+    values : (n, C or more) float64
         The correction there.
     error : float
-        No value is further than this from the exact one, in the units of the problem; from the true residual.
+        No value is further than this from the exact one, in the units of the problem; from the residual.
     sweeps : int
-        Sweeps of over-relaxation that it took; 0 if elimination left nothing.
+        Sweeps of over-relaxation that it took; 0 if all was eliminated.
     """
 
     problem: PoissonProblem
@@ -145,7 +143,7 @@ def split(problem: PoissonProblem, arena: Arena, tolerance: float) -> NarrowSolu
     """
     if problem.floating or problem.screening > 0 or not _worth_looking(problem.region):
         return None  # screened unknowns hardly feel each other: cycles contract fast
-    if problem.unknowns > LARGEST_REGION:
+    if (problem.unknowns + 2) * _lanes(problem.channels) > MOST_LANES:
         return None
     height, width = problem.region.shape
     parts = Parts.of(places(problem.region, arena), (height, width), arena)
@@ -200,7 +198,7 @@ def _solve(
 
 
 def _right_hand_side(problem: PoissonProblem, parts: Parts, arena: Arena) -> NDArray[np.float64]:
-    """The problem's residual at the first guess, (n, C)."""
+    """The problem's residual at the first guess, (n, lanes); behind the channels comes the 1 of A z = 1."""
     canvas = problem.canvas
     height, width, channels = canvas.shape
     b = arena.doubles(len(parts.place), _lanes(channels))

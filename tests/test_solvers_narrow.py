@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy.sparse
+import scipy.sparse.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
@@ -95,7 +97,7 @@ def mixture(height: int, width: int) -> np.ndarray:
 
 
 def squares(height: int, width: int) -> np.ndarray:
-    """Of 1 x 1 to 11 x 11 pixels: eliminated in a window up to 7 x 7, one pixel alone, the others as nets are."""
+    """Of 1 x 1 to 11 x 11 pixels: eliminated in a window up to 7 x 7, the others relaxed."""
     region = np.zeros((height, width), bool)
     corner = 1
     for side in range(1, 12):
@@ -167,10 +169,10 @@ def test_thin_shapes_need_no_cycles(shape):
     )
 
 
-@pytest.mark.parametrize("shape", ["net", "wide_net", "islands_that_touch"])
+@pytest.mark.parametrize("shape", ["net", "wide_net", "islands_that_touch", "comb"])
 @pytest.mark.parametrize("tolerance", [1e-1, 1e-3, 1e-6, 1e-9])
 @pytest.mark.usefixtures("always")
-def test_what_elimination_leaves_is_relaxed_to_any_tolerance(shape, tolerance):
+def test_long_parts_are_relaxed_to_any_tolerance(shape, tolerance):
     case = Case(EVERY[shape](150, 170))
     result = solve_multigrid(case.problem(), tolerance=tolerance)
     assert result.method == "directly and by sor"
@@ -178,11 +180,72 @@ def test_what_elimination_leaves_is_relaxed_to_any_tolerance(shape, tolerance):
     assert case.error(result) <= result.error_estimate <= tolerance
 
 
+@pytest.mark.parametrize("shape", ["net", "wide_net", "islands_that_touch"])
 @pytest.mark.usefixtures("always")
-def test_over_relaxation_is_as_fast_as_can_be():
-    """Of a net of lines a few pixels apart little is soft: omega is found, and each sweep gains a digit every two."""
-    case = Case(wide_net(150, 170))
-    assert solve_multigrid(case.problem(), tolerance=1e-9).iterations <= 36
+def test_over_relaxation_is_as_fast_as_can_be(shape):
+    """omega is found: hardly more sweeps than the best one takes, which contracts by omega - 1 in the long run."""
+    region = EVERY[shape](150, 170)
+    region[[0, -1]] = region[:, [0, -1]] = False
+    case = Case(region)
+    rho = 1 - scipy.sparse.linalg.eigsh(_matrix(region), k=1, sigma=0, return_eigenvectors=False)[0] / 4
+    best = 2 / (1 + np.sqrt(1 - rho**2))
+    needed = np.log(1e-9 / np.abs(case.exact - case.values)[region].max()) / np.log(best - 1)
+    assert solve_multigrid(case.problem(), tolerance=1e-9).iterations <= 1.3 * needed + 6
+
+
+def _matrix(region: np.ndarray) -> scipy.sparse.csc_matrix:
+    """A, for a region away from the image's edge."""
+    number = np.cumsum(region).reshape(region.shape) - 1
+    pairs = [
+        (number[:, :-1], number[:, 1:], region[:, :-1] & region[:, 1:]),
+        (number[:-1], number[1:], region[:-1] & region[1:]),
+    ]
+    row, col = (np.concatenate([pair[k][pair[2]] for pair in pairs]) for k in (0, 1))
+    links = scipy.sparse.coo_matrix((np.ones(len(row)), (row, col)), (region.sum(), region.sum()))
+    return (4 * scipy.sparse.identity(region.sum()) - links - links.T).tocsc()
+
+
+@pytest.mark.parametrize("lanes", [4, 8])
+def test_a_wave_makes_the_same_as_sweep_after_sweep(lanes, monkeypatch):
+    """Short chunks, so that half sweeps are under way in many places; against loops over neighbours."""
+    monkeypatch.setattr(kernels, "CHUNK", 3)
+    region = wide_net(17, 23) & (np.random.default_rng(2).random((17, 23)) < 0.8)
+    parts = narrow.Parts.of(np.flatnonzero(region), region.shape, Arena())
+    n, near = len(parts.place), parts.near
+    slot, members = np.zeros(n, np.int32), np.zeros(n, np.int32)
+    red = kernels.put_into_slots(slot, members, parts.colour, np.arange(n), 0, n)
+    assert np.array_equal(np.sort(members), np.arange(n))
+    assert (parts.colour[members[:red]] == kernels.RED).all()
+    links, inverse = np.zeros(4 * (n + 2), np.int32), np.zeros(n + 2, np.float32)
+    reach = np.zeros((2, n), np.int32)
+    kernels.join_slots(links, inverse, reach, near, slot, members, red, n, lanes)
+    x, r = np.zeros((2, n + 2, lanes), np.float32)
+    r[slot] = np.random.default_rng(3).normal(size=(n, lanes)).astype(np.float32)
+    kernels.sweep_slots(
+        x.reshape(-1), r.reshape(-1), links, inverse, reach, np.zeros(10, np.int64), red, n, lanes, np.float32(1.4), 5
+    )  # fmt: skip
+
+    expected = np.zeros((n + 1, lanes), np.float32)  # the last one stands for all that is known
+    for half in range(10):
+        for i in np.flatnonzero(parts.colour == half % 2):
+            north, west, east, south = (expected[j if j >= 0 else n] for j in near[i])
+            around = (north + south) + (west + east)
+            d = np.float32(1.0 / (near[i] != kernels.BEYOND).sum())
+            expected[i] += np.float32(1.4) * (d * (around + r[slot[i]]) - expected[i])
+    assert np.array_equal(x[slot], expected[:n])
+    assert not x[[red, n + 1]].any()
+
+
+@pytest.mark.parametrize("channels", [1, 2, 4, 5, 8])
+@pytest.mark.parametrize("shape", ["wide_net", "strokes_of_2_pixels", "squares"])
+@pytest.mark.usefixtures("always")
+def test_any_number_of_channels(shape, channels):
+    region = EVERY[shape](60, 70)
+    values = np.random.default_rng(channels).integers(0, 256, (60, 70, channels)).astype(np.float64)
+    exact = oracles.solve(region, values, *oracles.guidance(oracles.zero, values, values))
+    result = solve_multigrid(PoissonProblem(region, values))
+    assert "multigrid" not in result.method or shape == "squares"
+    assert np.abs(result.solution - exact).max() <= DEFAULT_TOLERANCE
 
 
 @pytest.mark.parametrize(
@@ -208,9 +271,10 @@ def test_a_mixture_is_split():
         half
     ].any()  # the disk, and the stroke that goes through it
     assert taken.sum() == (region & ~_connected(region, (region.shape[0] // 4, region.shape[1] // 4))).sum()
-    assert np.abs(solution.values + case.values[taken] - case.exact[taken]).max() <= EXACT
+    error = np.abs(solution.values[:, :3] + case.values[taken] - case.exact[taken]).max()
+    assert error <= solution.error <= DEFAULT_TOLERANCE
     result = solve_multigrid(problem)
-    assert result.method == "directly and by multigrid F"
+    assert result.method == "directly and by sor and by multigrid F"
     assert case.error(result) <= DEFAULT_TOLERANCE
     assert result.history[-1] == result.error_estimate
 
@@ -276,7 +340,7 @@ def test_the_first_look_need_not_see_everything(monkeypatch):
     assert solve_multigrid(Case(speck).problem()).method == "directly"
 
 
-@pytest.mark.parametrize(("name", "value"), [("LARGEST_PART", 40), ("NARROW", 0.8)])
+@pytest.mark.parametrize(("name", "value"), [("LARGEST_PART", 40), ("MOST_LANES", 200), ("NARROW", 0.8)])
 @pytest.mark.usefixtures("always")
 def test_what_is_too_large_or_wide_is_left_to_multigrid(name, value, monkeypatch):
     case = Case(net(*LARGE))
@@ -393,7 +457,7 @@ def test_scattered_pixels_are_painted_like_rows(name, dtype, space, monkeypatch)
     region = EVERY["at_edges_and_corners"](90, 101)
     pictures = (destination,) if name == "fill" else (destination, source)
     edit = tool(*pictures, region, space=space)
-    assert edit.report.method == "directly"
+    assert "multigrid" not in edit.report.method
     monkeypatch.setattr(window, "TOGETHER", 7)
     assert np.array_equal(tool(*pictures, region, space=space).image, edit.image)
 

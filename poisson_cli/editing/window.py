@@ -176,7 +176,7 @@ class Window:
                 col = place[here] - row * width
                 points = Points(self._destination, self._source, row, col)
                 working, before, stored = self.guess(points)
-                working += correction[here, :channels]
+                working += correction[here, : self.shape[2]]
                 values = self.space.to_stored(working, before, stored)
                 pixels = np.empty((1, *values.shape), picture.dtype)
                 clipped, overshoot = tone.paste(

@@ -12,21 +12,24 @@ RED, BLACK = 0, 1
 
 u = np.uint64  # what arrays are indexed with, see solvers.kernels
 
-FOUR = 4  # lanes
+FOUR = 4  # lanes, see below
 WINDOW = 8  # equations at hand in `solve_in_window`
-CHUNK = 128  # slots, see `sweep_slots`: what some chunks of both colours hold stays in the second-level cache
 
 # Over-relaxation.
+CHUNK = 128  # slots, see `sweep_slots`: what some chunks of both colours hold stays in the second-level cache
+TOGETHER = 4  # slots that are compared in one go
 FIRST_OMEGA, FIRST_SWEEPS = 1.5, 8  # before anything is known of a part,
 FIRST_GAIN = 0.03  # and what these make of |r|, about
-MOST_SWEEPS = 16  # between two looks
-SWEEPS = 150  # after so many, or if so many would be needed, a part is given up
-STANDING_OUT = 0.31  # rho is 1 - 0.31 / max z in a stripe, 1 - 0.36 / max z in a square, 1 - 0.25 / max z at most
+MOST_SWEEPS = 16  # between two looks,
+LONGEST_RUN = 60_000_000  # or unknowns to sweep
+SWEEPS = 90  # after so many, or if so many would be needed, a part is given up: multigrid is not slower then
+# What rho is: 1 - 0.31 / max z in a stripe, 1 - 0.36 / max z in a square, 1 - 0.25 / max z at most.
+STANDING_OUT = 0.31
 FASTEST = 0.2  # what a sweep is expected to contract by, at best
-GAIN, ROUNDING = 1e-4, 2e-6  # a stage makes residuals so much smaller, or by this share of the softness
-TOGETHER = 4  # slots
-FLOOR = 4e-16  # share of b that is rounding
-ROUNDED = 1e-6  # share of a stage's |r| that is rounding
+# A stage makes |r| smaller by so much, or by this share of the softness: float32 is not good for more.
+GAIN, BLIND = 1e-4, 2e-6
+# Rounding: the share of b that x in float64 leaves, and the share of a stage's |r| that it gets and leaves in float32.
+FLOOR, ROUNDED = 4e-16, 1e-6
 
 TILE = 32  # columns, see `survey`
 AHEAD = 24  # unknowns: how far before its turn its pixels are asked for
@@ -119,7 +122,8 @@ def link(near, part, colour, place, height, width, above, first, end):
 
     near: (n, 4) int32, the numbers of the north, west, east and south neighbour, or KNOWN, or BEYOND.  part: (n,)
     int32, a lower number in the same part, or an unknown's own if there is none: what `number_parts` starts from.
-    colour: (n,) int32, RED or BLACK, as on a chessboard.  place: (n,) int64, row * width + column of the unknowns, ascending.
+    colour: (n,) int32, RED or BLACK, as on a chessboard.  place: (n,) int64, row * width + column of the unknowns,
+    ascending.
 
     above: the first unknown not before the pixel north of this one, or any before that; returns that of the next.
     """
@@ -194,6 +198,10 @@ def sort_parts(order, rank, ends, part, starts):
 
 
 # --- right-hand side and solution --------------------------------------------------------------------------------
+#
+# The channels of an unknown, and behind them the solution z of A z = 1, lie side by side in *lanes*, as many as make
+# whole fours: four lanes are one vector.  x begins with two unknowns more, BEYOND and KNOWN, which are zero, so that
+# nothing need be asked when neighbours are added up.
 
 
 @inlined
@@ -236,7 +244,7 @@ def sum_at_edge(b, to, f, v_across, v_down, own, pair, line, channels, guided, n
 def sum_pairs(b, place, values, across, down, rhs, height, top, low, high):
     """b_p = rhs_p + sum over q of v_pq - (f_p - f_q), in float64, for the unknowns low ... high.
 
-    b: (n, lanes) float64: behind the channels comes the 1 of A z = 1.  values: (rows, width, channels) f, known outside
+    b: (n, lanes) float64; behind the channels comes the 1 of A z = 1.  values: (rows, width, channels) f, known outside
     the region, first guess inside; row `top` of the image of this height comes first.  across, down: v on pixel pairs
     (`Guidance`); rhs: like values; arrays without rows stand for zeros.
     """
@@ -340,7 +348,8 @@ def sum_rim(b, ring, known, place, near, values, rows, cols, width):
 def add_at(guess, solution, place, low, high, top):
     """guess += solution at the unknowns low ... high.
 
-    guess: (rows, width, channels), of which row `top` of the image comes first.  solution: (n, channels or more) float64.
+    guess: (rows, width, channels), of which row `top` of the image comes first.  solution: (n, channels or more)
+    float64.
     """
     width, channels = guess.shape[1:]
     flat, before = guess.reshape(-1), top * width
@@ -351,11 +360,8 @@ def add_at(guess, solution, place, low, high, top):
             flat[u(at + c)] += solution[u(i), u(c)]
 
 
-# --- lanes ---------------------------------------------------------------------------------------------------------
-#
-# The channels of an unknown, and behind them the solution of A z = 1, lie side by side in *lanes*, as many as make
-# whole fours: four loads at a place are one vector.  x has two unknowns more at its beginning, KNOWN and BEYOND, which
-# are zero, so that nothing need be asked when neighbours are added up.
+# --- sums and residuals -------------------------------------------------------------------------------------------
+
 
 @loops
 def add_four(x, to, y, at, factor):
@@ -391,9 +397,11 @@ def scale(x, to, y, at, factor, n):
 def neighbours(near, i):
     """How many neighbours of unknown i are inside the image."""
     north, west, east, south = near[u(i), 0], near[u(i), 1], near[u(i), 2], near[u(i), 3]
-    if min(min(north, west), min(east, south)) != BEYOND:  # nearly always
-        return 4.0
-    return 4.0 - ((north == BEYOND) + (west == BEYOND) + (east == BEYOND) + (south == BEYOND))
+    inside = 4.0
+    if min(min(north, west), min(east, south)) == BEYOND:  # hardly ever
+        for side in (north, west, east, south):
+            inside -= side == BEYOND
+    return inside
 
 
 @loops
@@ -529,7 +537,7 @@ def join_slots(links, inverse, reach, near, slot, members, red, n, lanes):
             i, own = np.int64(members[u(k)]), k + is_black
             for side in range(4):
                 j = np.int64(near[u(i), side])
-                at = np.int64(slot[u(max(j, 0))]) - other
+                at = np.int64(slot[u(max(j, np.int64(0)))]) - other
                 last = max(last, at) if j >= 0 else last
                 links[u(4 * own + side)] = lanes * (at if j >= 0 else nothing)
             inverse[u(own)] = 1.0 / neighbours(near, i)
@@ -566,8 +574,8 @@ def sweep_slots(x, r, links, inverse, reach, done, red, n, lanes, omega, count):
     """`count` sweeps over a part, in a wave: each half sweep goes on as far as the one before it has been where the
     neighbours are, a chunk at a time, and finds in the cache what that one left.
 
-    x, r: float32, the lanes of all slots.  done: (2 * count,) int64, scratch: chunks that a half sweep has done.  omega:
-    float32.
+    x, r: float32, the lanes of all slots.  done: (2 * count,) int64, scratch: the chunks that a half sweep has done.
+    omega: float32.
     """
     second = red + 1
     black, halves = n - red, 2 * count
@@ -691,7 +699,7 @@ def end_stage(total, x, members, red, n, lanes, stage):
 
 @inlined
 def begin_stage(r, residual, largest, total, b, near, members, red, n, lanes, channels, stage):
-    """r = b - A total, rounded to float32, total being zero in the first stage; returns its largest one of a channel."""
+    """r = b - A total, rounded to float32; total is zero in the first stage.  Returns the largest |r| of a channel."""
     for lane in range(lanes):
         largest[u(lane)] = 0
     for k in range(n):
@@ -727,8 +735,8 @@ def relax_part(
     Jacobi's iteration contracts by rho <= 1 - 1 / (d max z) (Collatz 1942), by less where the largest z stands out from
     its surroundings, and rho gives the best omega (Young 1954).
 
-    state[BEGUN] becomes 0 when the part is done; state[SWEPT] is -1 then if it was given up.  Returns what is left of the
-    budget, and the bound.
+    state[BEGUN] becomes 0 when the part is done; state[SWEPT] is -1 then if it was given up.  Returns what is left of
+    the budget, and the bound.
     """
     red, most = np.int64(state[REDS]), 4.0  # neighbours
     while budget > 0:
@@ -748,14 +756,15 @@ def relax_part(
             if state[STAGE] == 0 and most * missing < 1.0:
                 state[SOFTNESS] = z / (1.0 - most * missing)
             bound = (worst + ROUNDED * state[START]) * state[SOFTNESS]
-            if bound <= max(precision, FLOOR * state[WHOLE] * state[SOFTNESS]) or state[WHOLE] == 0.0:
+            allowed = max(precision, FLOOR * state[WHOLE] * state[SOFTNESS])
+            if state[SOFTNESS] < np.inf and bound <= allowed:
                 end_stage(total, x, members, red, n, lanes, state[STAGE])
                 state[BEGUN] = 0
-                return budget, bound if state[WHOLE] > 0.0 else 0.0
+                return budget, bound
         # How large |r| may be in the end, and at the end of this stage.
         known = state[SOFTNESS] < np.inf
         enough = max(precision / state[SOFTNESS], FLOOR * state[WHOLE])
-        gain = max(GAIN, ROUNDING * state[SOFTNESS]) if known else GAIN
+        gain = max(GAIN, BLIND * state[SOFTNESS]) if known else GAIN
         if known and worst <= gain * state[START]:
             end_stage(total, x, members, red, n, lanes, state[STAGE])
             state[STAGE] += 1
@@ -773,7 +782,7 @@ def relax_part(
         if state[SWEPT] + (needed if known else 1) > SWEEPS:
             state[BEGUN], state[SWEPT] = 0, -1
             return budget, np.inf
-        state[AHEAD] = min(ahead + 1, MOST_SWEEPS)
+        state[AHEAD] = max(min(ahead, MOST_SWEEPS, LONGEST_RUN // n), 2)
     return budget, np.inf
 
 
@@ -798,15 +807,15 @@ def bound_of(residual, largest, x, b, near, order, start, n, lanes, channels):
 
 @jit
 def solve_parts(
-    x, bounds, sweeps, state, swept, r, links, inverse, reach, done, found, seen, slot, members, residual, largest, sums,
-    window, b, near, colour, order, rank, starts, channels, first, end, precision, budget,
+    x, bounds, sweeps, state, swept, r, links, inverse, reach, done, found, seen, slot, members, residual, largest,
+    sums, window, b, near, colour, order, rank, starts, channels, first, end, precision, budget,
 ):  # fmt: skip
     """Solves A x = b, and A z = 1 in the lane behind the channels, on the parts first ... end of the region.
 
-    x: (2 + n, lanes) float64, see above.  bounds: per part, of the error.  sweeps: per part, how many it took; -1 if it
-    was given up.  state: of `relax_part`, 0 at first.  The arrays in between are scratch for the largest part, `slot` for
-    all unknowns.  b: (n, lanes) float64.  near, colour, order, rank, starts: of `link` and `sort_parts`.  precision: of
-    x, absolute.  budget: how many unknowns to sweep, about.
+    x: (2 + n, lanes) float64.  bounds: per part, of the error.  sweeps: per part, how many it took; -1 if it was given
+    up.  state: (KEPT,) float64, of `relax_part`, 0 at first.  The arrays in between are scratch for the largest part,
+    `slot` for all unknowns.  b: (n, lanes) float64.  near, colour, order, rank, starts: of `link` and `sort_parts`.
+    precision: of x, absolute.  budget: how many unknowns to sweep, about.
 
     Returns the part to go on with.
     """
@@ -830,7 +839,9 @@ def solve_parts(
                 for k in range(n):
                     to = lanes * (np.int64(order[u(start + k)]) + 2)
                     scale(flat, to, sums, k * (WINDOW + lanes) + WINDOW, 1.0, lanes)
-                bounds[u(part)] = bound_of(residual, largest, flat, rhs, near, order, start, n, lanes, channels)
+                bounds[u(part)] = bound_of(
+                    residual, largest, flat, rhs, near, order, start, n, lanes, channels
+                )
                 sweeps[u(part)] = 0
                 budget -= WINDOW * n
                 continue

@@ -221,8 +221,8 @@ def subtract_pictures(differences, one, other, rows, cols, corners):
 def round_at(picture, base, correction, place, width, corners, largest):
     """picture = base + correction at single pixels, rounded half to even and clipped to 0 ... largest, a float32.
 
-    picture, base: (H, W, C) integers.  correction: (n, C or more) float64.  place: (n,) int64, row * width + column, ascending.
-    corners: what to add to these in picture and in base, row and column.  Returns what `round_into` returns.
+    picture, base: (H, W, C) integers.  correction: (n, C or more) float64.  place: (n,) int64, row * width + column,
+    ascending.  corners: what to add to these in picture and in base, row and column.  Returns what `round_into` does.
     """
     channels = picture.shape[2]
     target, source = picture.reshape(-1), base.reshape(-1)
