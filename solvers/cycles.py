@@ -102,7 +102,7 @@ class Cycling:
         Tells of each, as it ends, a bound of the largest change of any black pixel.
         """
         h, coarsest = self.hierarchy, self.hierarchy.coarsest
-        fields = x, b, h.weight, h.diagonal, h.edge_e, h.edge_s, coarsest.band, coarsest.cells
+        fields = x, b, h.weight, h.diagonal, h.share, h.edge_e, h.edge_s, coarsest.band, coarsest.cells
         changes = np.zeros((self.team.threads, cycles + 1, 3), np.int32)
         if self._stronger and self.names[-1] in STRONGER:
             self.names.append(STRONGER[self.names[-1]])

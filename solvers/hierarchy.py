@@ -72,6 +72,8 @@ class Hierarchy(NamedTuple):
         The places to visit, of all levels.
     weight, diagonal : float32
         Fields of one channel: the operator's diagonal, and its inverse (0 outside the region).
+    share : uint8
+        Field of one channel: what a black cell takes of an interpolated correction, in sevenths.
     edge_e, edge_s : float32
         Fields of one channel without the finest level: conductances to the east and south neighbour.
     unknowns : tuple of int
@@ -85,6 +87,7 @@ class Hierarchy(NamedTuple):
     segments: NDArray[np.int64]
     weight: Float32
     diagonal: Float32
+    share: NDArray[np.uint8]
     edge_e: Float32
     edge_s: Float32
     unknowns: tuple[int, ...]
@@ -180,12 +183,14 @@ def build_hierarchy(
     # Each operation writes at the places of its own runs or segments, and reads what the one before it left.
     size, stride = field_size(table, 1), int(table[0, STRIDE])
     coarse_size = size - int(table[1, OFFSET])
-    weight, diagonal, edge_e, edge_s = arena.zeros_each(size, size, coarse_size, coarse_size)
+    as_bytes = -(-size // (4 * LANES)) * LANES
+    weight, diagonal, edge_e, edge_s, share = arena.zeros_each(size, size, coarse_size, coarse_size, as_bytes)
+    share = share.view(np.uint8)
     conductances = edge_e, edge_s, *arena.zeros_each(*[coarse_size] * 4)  # leaks are of no use later
     unknowns = np.zeros(len(table) - 1, np.int64)
     unknowns[0] = np.count_nonzero(region)
     parts = team.pieces(runs[: table[1, FIRST_RUN]], 1, int(unknowns[0]))
-    team.run(setup.weigh_region, [(weight, diagonal, region, part, table) for part in parts])
+    team.run(setup.weigh_region, [(weight, diagonal, share, region, part, table) for part in parts])
 
     def coarsen(part: NDArray[np.int32], level: int) -> None:
         if level == 1:
@@ -202,12 +207,13 @@ def build_hierarchy(
         team.run(coarsen, [(part, level) for part in team.pieces(fine, 1, cells)])
         own = segments[table[level, FIRST_SEGMENT] : table[level + 1, FIRST_SEGMENT]]
         weighed = [
-            (weight, diagonal, *conductances, part, table, level) for part in team.pieces(own, 0, cells)
+            (weight, diagonal, share, *conductances, part, table, level)
+            for part in team.pieces(own, 0, cells)
         ]
         unknowns[level] = sum(int(n) for n in team.run(setup.weigh, weighed))
         level += 1
     scratch = aligned_zeros(6 * stride)
-    fields = unknowns, weight, diagonal, *conductances, scratch, runs, segments, table
+    fields = unknowns, weight, diagonal, share, *conductances, scratch, runs, segments, table
     n_levels = int(setup.build_levels(*fields, level, EXACT_UNKNOWNS))
 
     # The depth was known only now: coarser levels, laid out above, are left out.
@@ -222,6 +228,7 @@ def build_hierarchy(
         segments[: table[-1, FIRST_SEGMENT]],
         weight,
         diagonal,
+        share,
         edge_e,
         edge_s,
         tuple(unknowns[:n_levels].tolist()),

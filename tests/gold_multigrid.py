@@ -16,8 +16,11 @@ Array = np.ndarray
 
 DIRECTIONS = {"north": (-1, 0), "south": (1, 0), "west": (0, -1), "east": (0, 1)}
 LEAST_RESISTANCE = 0.25  # of a leak: a known value never seems nearer than a quarter of a cell
-OVERCORRECTION = 1.025  # the interpolated correction is made this much larger
-OVERRELAXATION = 1.6  # of the black cells after a correction, where another sweep follows
+OVERCORRECTION = 1.0375  # the interpolated correction is made this much larger,
+BESIDE_KNOWN = 6 / 7  # but this much smaller in cells that leak
+OVERRELAXATION = (
+    1.7  # of the black cells after a correction, on the finest grid and where another sweep follows
+)
 SOLVED_DIRECTLY = 64  # unknowns; a grid with a side of 2 is solved directly too
 
 
@@ -133,8 +136,9 @@ def restriction(fine: Grid, coarse: Grid) -> Array:
 def prolongation(fine: Grid, coarse: Grid) -> Array:
     """(n_fine, n_coarse): bilinear between cell centres; an inactive cell counts as zero, the edge is repeated.
 
-    Times `OVERCORRECTION`.
+    Times `OVERCORRECTION`, and `BESIDE_KNOWN`.
     """
+    leaky = sum(fine.leak.values()) > 0
     coarse_number = {cell: i for i, cell in enumerate(coarse.cells)}
     p = np.zeros((len(fine.cells), len(coarse_number)))
     for i, (row, col) in enumerate(fine.cells):
@@ -148,6 +152,7 @@ def prolongation(fine: Grid, coarse: Grid) -> Array:
                 )
                 if inside in coarse_number:
                     p[i, coarse_number[inside]] += OVERCORRECTION * row_weight * col_weight
+        p[i] *= BESIDE_KNOWN if leaky[row, col] else 1
     return p
 
 
@@ -188,4 +193,4 @@ class Multigrid:
         for k, visit in enumerate(visits):
             self.cycle(visit, coarse_u, coarse_b, level + 1, last=k == len(visits) - 1)
         u += self.up[level] @ coarse_u
-        self.sweep(level, u, b, 1.0 if last else OVERRELAXATION)
+        self.sweep(level, u, b, 1.0 if last and level > 0 else OVERRELAXATION)

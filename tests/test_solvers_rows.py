@@ -41,7 +41,7 @@ def visit(
     scratch = aligned_zeros(max(channels, 2) * (h.longest_segment + 3 * LANES))
     changes = np.zeros(CHANGES, np.int32)
     kernels.run_steps(
-        changes, x, b, h.weight, h.diagonal, h.edge_e, h.edge_s, h.coarsest.band, h.coarsest.cells, scratch,
+        changes, x, b, h.weight, h.diagonal, h.share, h.edge_e, h.edge_s, h.coarsest.band, h.coarsest.cells, scratch,
         np.zeros(len(h.coarsest.band)), h.runs, h.segments, h.table, steps, channels,
     )  # fmt: skip
     return changes

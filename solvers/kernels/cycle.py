@@ -30,13 +30,13 @@ RED, BLACK = 0, 1
 
 # Interpolation makes the coarse correction this much larger: piecewise constant restriction leaves it a few percent too
 # small for smooth errors.  Least where one corner alone is known: 0.18 without, 0.15 with it.
-OVERCORRECTION = 1.025
+OVERCORRECTION = 1.0375
 NEAR, FAR = np.float32(0.75 * OVERCORRECTION), np.float32(0.25 * OVERCORRECTION)
 
 # The black half sweep after a coarse correction goes this much too far where another sweep follows.  Together with
 # `OVERCORRECTION` it lowers the convergence factor of F-cycles from 0.10 to 0.07 on a disk, and on every other shape;
 # both were searched for on the regions of ``python -m benchmarks convergence``.
-OVERRELAXATION = np.float32(1.6)
+OVERRELAXATION = np.float32(1.7)
 
 u = np.uint64  # what arrays are indexed with, see solvers.kernels
 
@@ -379,19 +379,17 @@ def blend_run(scratch, x, table, level, channels, channel, row, low, high, at, t
 
 
 @loops
-def add_interpolated(x, weight, scratch, w, own, size, n, other):
-    """x += what lies in scratch, interpolated along the row, in n places of the region of the black quarters; the one
-    in the even rows lies from x[own] and weight[w] on and finds its cells in scratch, the other one from `other` on.
+def add_interpolated(x, share, scratch, w, own, size, n, other):
+    """x += the share of what lies in scratch, interpolated along the row, in n places of the black quarters; the one in
+    the even rows lies from x[own] and share[w] on and finds its cells in scratch, the other one from `other` on.
     """
-    near, far, zero = np.float32(0.75), np.float32(0.25), np.float32(0.0)
+    near, far = np.float32(0.75 / 7), np.float32(0.25 / 7)  # shares are sevenths
     largest = np.int32(0)
     upper, w_upper, west = u(own), u(w), u(other)
     lower, w_lower, east = u(own + size), u(w + size), u(1)
     for i in range(u(n)):
-        up = near * scratch[i] + far * scratch[east + i] if weight[w_upper + i] > zero else zero
-        low = (
-            near * scratch[west + u(1) + i] + far * scratch[west + i] if weight[w_lower + i] > zero else zero
-        )
+        up = np.float32(share[w_upper + i]) * (near * scratch[i] + far * scratch[east + i])
+        low = np.float32(share[w_lower + i]) * (near * scratch[west + u(1) + i] + far * scratch[west + i])
         largest = largest_of(largest, largest_of(bits_of(up), bits_of(low)))
         x[upper + i] += up
         x[lower + i] += low
@@ -399,7 +397,7 @@ def add_interpolated(x, weight, scratch, w, own, size, n, other):
 
 
 @inlined
-def prolong_segment(x, weight, scratch, runs, segments, table, level, channels, channel, k):
+def prolong_segment(x, share, scratch, runs, segments, table, level, channels, channel, k):
     """Adds the 9-3-3-1 interpolation of level + 1 to the black cells of a segment.
 
     Only black ones: the next half sweep overwrites the red ones without reading them.  Returns the bit pattern of the
@@ -417,7 +415,7 @@ def prolong_segment(x, weight, scratch, runs, segments, table, level, channels, 
         blend_run(scratch, x, table, level, channels, channel, row, low, high, to, other + to)
     return add_interpolated(
         x,
-        weight,
+        share,
         scratch,
         offset + size + at,
         channels * offset + (4 * channel + 1) * size + at,
@@ -537,7 +535,7 @@ def relax_row(x, b, weight, size, stride, colour, row, columns, omega):
 
 
 @jit
-def sweep_in_rows(x, b, weight, diagonal, scratch, runs, table, channels, begins, ends):
+def sweep_in_rows(x, b, weight, diagonal, share, scratch, runs, table, channels, begins, ends):
     """A visit to the finest level, the same bits as `sweep` makes of it: channel by channel, row by row.
 
     begins: a cycle begins, with a sweep and restriction.  ends: one ends, with interpolation and a sweep; before the
@@ -548,7 +546,7 @@ def sweep_in_rows(x, b, weight, diagonal, scratch, runs, table, channels, begins
     stride, size, coarse_size = table[0, STRIDE], table[0, QUARTER], table[1, QUARTER]
     end, one = table[1, FIRST_RUN], np.float32(1.0)
     first, last = np.int64(runs[0, 0]), np.int64(runs[end - 1, 0])
-    turns, omega = begins and ends, OVERRELAXATION if begins and ends else one
+    turns, omega = begins and ends, OVERRELAXATION if ends else one
     lag = LAG if turns else 1
     corrected = by_first = by_second = np.int32(0)
     for channel in range(channels):
@@ -563,7 +561,7 @@ def sweep_in_rows(x, b, weight, diagonal, scratch, runs, table, channels, begins
                 at, n = (up_row + 1) * stride + low, high - low
                 other = n + 3 * LANES - 1
                 blend_run(scratch, x, table, 0, channels, channel, up_row, low, high, 0, other)
-                change = add_interpolated(x, weight, scratch, size + at, plane + size + at, size, n, other)
+                change = add_interpolated(x, share, scratch, size + at, plane + size + at, size, n, other)
                 corrected = largest_of(corrected, change)
                 up += 1
             low, high, next_ = row_of_runs(runs, next_, end, row)
@@ -615,7 +613,9 @@ def range_of(steps, step, operation, table):
 
 
 @jit
-def sweep(x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, steps, step, channels):
+def sweep(
+    x, b, weight, diagonal, share, edge_e, edge_s, scratch, runs, segments, table, steps, step, channels
+):
     """Up to six operations on a level, each on its own range of segments, in one pass through memory.
 
         interpolation from level + 1, red half sweep, black half sweep,       which end a cycle,
@@ -664,7 +664,7 @@ def sweep(x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table
                 relax_segment_from_zero(x, b, weight, segments, table, level, channels, k)
                 continue
         elif black < black_end and segments[black, 1] + reach <= done_red:
-            k, is_after, omega = black, True, OVERRELAXATION if kind == TURN else one
+            k, is_after, omega = black, True, OVERRELAXATION if kind == TURN or level == 0 else one
             black += 1
         elif red < red_end and segments[red, 1] + reach <= done_up:
             k, colour = red, RED
@@ -672,7 +672,7 @@ def sweep(x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table
         elif up < up_end:
             for channel in range(channels):
                 change = prolong_segment(
-                    x, weight, scratch, runs, segments, table, level, channels, channel, up
+                    x, share, scratch, runs, segments, table, level, channels, channel, up
                 )
                 corrected = largest_of(corrected, change)
             up += 1
@@ -718,8 +718,8 @@ def solve_coarsest(x, b, band, cells, scratch64, table, level, channels):
 
 @jit
 def run_steps(
-    changes, x, b, weight, diagonal, edge_e, edge_s, band, cells, scratch, scratch64, runs, segments, table, steps,
-    channels,
+    changes, x, b, weight, diagonal, share, edge_e, edge_s, band, cells, scratch, scratch64, runs, segments, table,
+    steps, channels,
 ):  # fmt: skip
     """Runs steps of cycles, (n, COLUMNS) int64: what to do, on which level, in which cycle, and the ranges of `sweep`.
 
@@ -732,13 +732,26 @@ def run_steps(
         begins, ends = steps[step, RESTRICT + 1] == WHOLE, steps[step, PROLONG + 1] == WHOLE
         if level == 0 and kind != COARSEST and (begins or ends) and rows_pay(runs, segments, table):
             corrected, after, before = sweep_in_rows(
-                x, b, weight, diagonal, scratch, runs, table, channels, begins, ends
+                x, b, weight, diagonal, share, scratch, runs, table, channels, begins, ends
             )
         elif kind == COARSEST:
             corrected = solve_coarsest(x, b, band, cells, scratch64, table, level, channels)
         else:
             corrected, after, before = sweep(
-                x, b, weight, diagonal, edge_e, edge_s, scratch, runs, segments, table, steps, step, channels
+                x,
+                b,
+                weight,
+                diagonal,
+                share,
+                edge_e,
+                edge_s,
+                scratch,
+                runs,
+                segments,
+                table,
+                steps,
+                step,
+                channels,
             )
         if level == 0:
             following = cycle + 1 if kind == TURN else cycle

@@ -17,6 +17,10 @@ from solvers.layout import (
 
 LEAK_CAP = np.float32(4.0)  # conductance of a known value a quarter of a cell away
 
+# What a cell takes of an interpolated correction, in sevenths.  Interpolation puts the zero of a known pixel into the
+# middle of a coarse cell, which is further away than it is: beside it the correction comes out too large.
+NOTHING, BESIDE_KNOWN, ALL = np.uint8(0), np.uint8(6), np.uint8(7)
+
 u = np.uint64  # what arrays are indexed with, see solvers.kernels
 
 
@@ -191,22 +195,40 @@ def spread(weight, diagonal, region, even, odd, at, n):
         diagonal[odd + i] = four if b else nothing
 
 
+@loops
+def share_out(share, region, to, at, width, above, below, n):
+    """The share of every second pixel from region[at] on, n of them; above, below: 0 where the image ends there."""
+    to, at, north, south = u(to), u(at), u(at - above * width), u(at + below * width)
+    for i in range(u(n)):
+        inside = region[at + i + i] & region[at + i + i - u(1)] & region[at + i + i + u(1)]
+        inside &= region[north + i + i] & region[south + i + i]
+        share[to + i] = ALL if inside else (BESIDE_KNOWN if region[at + i + i] else NOTHING)
+
+
 @jit
-def weigh_pixel(weight, diagonal, region, row, col, table):
+def weigh_pixel(weight, diagonal, share, region, row, col, table):
     """The same for one pixel, which may lie at the edge of the image and have fewer neighbours."""
     height, width = region.shape
     at = (2 * (row & 1) + (col & 1)) * table[0, QUARTER] + (row // 2 + 1) * table[0, STRIDE] + col // 2
-    neighbours = (
-        np.int64(row > 0) + np.int64(row < height - 1) + np.int64(col > 0) + np.int64(col < width - 1)
-    )
+    neighbours = unknowns = np.int64(0)
+    for side in range(4):
+        r, c = row + (side - 1 if side & 1 == 0 else 0), col + (side - 2 if side & 1 else 0)
+        if r >= 0 and r < height and c >= 0 and c < width:
+            neighbours += 1
+            unknowns += np.int64(region[r, c])
     if region[row, col]:
         diagonal[at] = neighbours
         weight[at] = np.float32(1.0) / np.float32(neighbours)
+        share[at] = ALL if unknowns == neighbours else BESIDE_KNOWN
+    else:
+        share[at] = NOTHING
 
 
 @jit
-def weigh_region(weight, diagonal, region, runs, table):
-    """The finest level's coefficients: diagonal = |N_p|, weight = 1 / |N_p| in the region, both 0 outside it."""
+def weigh_region(weight, diagonal, share, region, runs, table):
+    """The finest level's coefficients: diagonal = |N_p|, weight = 1 / |N_p| in the region, both 0 outside it; and the
+    share of black pixels.
+    """
     height, width = region.shape
     stride, size = table[0, STRIDE], table[0, QUARTER]
     flat = region.reshape(-1)
@@ -215,14 +237,30 @@ def weigh_region(weight, diagonal, region, runs, table):
         high = min(np.int64(runs[k, 2]), width // 2)
         for pixel_row in range(2 * row, min(2 * row + 2, height)):
             at = 2 * (pixel_row & 1) * size + (row + 1) * stride + low
-            spread(weight, diagonal, flat, at, at + size, pixel_row * width + 2 * low, high - low)
+            pixel = pixel_row * width + 2 * low
+            spread(weight, diagonal, flat, at, at + size, pixel, high - low)
+            # Of the row's black pixels, all but those at the ends of the image's row, which come below.
+            odd = (pixel_row & 1) ^ 1
+            begin = 1 if low == 0 and not odd else 0
+            end = high - low if 2 * (high - 1) + odd < width - 1 else high - low - 1
+            above, below = np.int64(pixel_row > 0), np.int64(pixel_row < height - 1)
+            share_out(
+                share,
+                flat,
+                at + odd * size + begin,
+                pixel + odd + 2 * begin,
+                width,
+                above,
+                below,
+                end - begin,
+            )
             if pixel_row == 0 or pixel_row == height - 1:
                 for col in range(2 * low, min(2 * np.int64(runs[k, 2]), width)):
-                    weigh_pixel(weight, diagonal, region, pixel_row, col, table)
+                    weigh_pixel(weight, diagonal, share, region, pixel_row, col, table)
             elif low == 0:
-                weigh_pixel(weight, diagonal, region, pixel_row, 0, table)
+                weigh_pixel(weight, diagonal, share, region, pixel_row, 0, table)
             if 2 * np.int64(runs[k, 2]) >= width:
-                weigh_pixel(weight, diagonal, region, pixel_row, width - 1, table)
+                weigh_pixel(weight, diagonal, share, region, pixel_row, width - 1, table)
 
 
 @inlined
@@ -388,7 +426,7 @@ def coarsen(edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, scratch, runs, table
 
 @loops
 def weigh_places(
-    weight, diagonal, edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, own, c_own, c_north, c_west, n
+    weight, diagonal, share, edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, own, c_own, c_north, c_west, n
 ):
     """The diagonal of n cells and its inverse; returns how many there are."""
     own, c_own, c_north, c_west = u(own), u(c_own), u(c_north), u(c_west)
@@ -399,12 +437,13 @@ def weigh_places(
         total = edges + leaks
         diagonal[own + i] = total
         weight[own + i] = np.float32(1.0) / total if total > 0 else np.float32(0.0)
+        share[own + i] = (ALL if leaks == 0 else BESIDE_KNOWN) if total > 0 else NOTHING
         cells += total > 0
     return cells
 
 
 @jit
-def weigh(weight, diagonal, edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, segments, table, level):
+def weigh(weight, diagonal, share, edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, segments, table, level):
     """A coarse level's diagonal, the sum of a cell's conductances, and its inverse; returns the number of cells."""
     stride, size, offset = table[level, STRIDE], table[level, QUARTER], table[level, OFFSET]
     skip = table[1, OFFSET]
@@ -416,15 +455,16 @@ def weigh(weight, diagonal, edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, segm
             north = offset - skip + (quarter ^ 2) * size + at - (0 if quarter & 2 else stride)
             west = offset - skip + (quarter ^ 1) * size + at - (0 if quarter & 1 else 1)
             cells += weigh_places(
-                weight, diagonal, edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, own, own - skip, north, west, n
+                weight, diagonal, share, edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, own, own - skip, north, west,
+                n,
             )  # fmt: skip
     return cells
 
 
 @jit
 def build_levels(
-    unknowns, weight, diagonal, edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, scratch, runs, segments, table, first,
-    few,
+    unknowns, weight, diagonal, share, edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, scratch, runs, segments, table,
+    first, few,
 ):  # fmt: skip
     """The coefficients of levels from `first` on, up to the first one of at most `few` unknowns; returns its end.
 
@@ -441,7 +481,7 @@ def build_levels(
         else:
             coarsen(edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, scratch, fine, table, level - 1)
         unknowns[level] = weigh(
-            weight, diagonal, edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, own, table, level
+            weight, diagonal, share, edge_e, edge_s, leak_n, leak_s, leak_w, leak_e, own, table, level
         )
     return table.shape[0] - 1
 
