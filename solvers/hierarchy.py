@@ -184,8 +184,8 @@ def build_hierarchy(
     size, stride = field_size(table, 1), int(table[0, STRIDE])
     coarse_size = size - int(table[1, OFFSET])
     as_bytes = -(-size // (4 * LANES)) * LANES
-    weight, diagonal, edge_e, edge_s, share = arena.zeros_each(size, size, coarse_size, coarse_size, as_bytes)
-    share = share.view(np.uint8)
+    weight, diagonal, edge_e, edge_s, words = arena.zeros_each(size, size, coarse_size, coarse_size, as_bytes)
+    share = words.view(np.uint8)
     conductances = edge_e, edge_s, *arena.zeros_each(*[coarse_size] * 4)  # leaks are of no use later
     unknowns = np.zeros(len(table) - 1, np.int64)
     unknowns[0] = np.count_nonzero(region)
