@@ -179,7 +179,7 @@ def _solve(
         arena.integers(4 * slots),
         arena.floats(slots),
         arena.integers(2, largest // kernels.CHUNK + 1),
-        arena.longs(2 * kernels.MOST_SWEEPS),
+        arena.longs(2 * kernels.MOST_SWEEPS + 2),
         arena.floats(together),
         arena.integers(together),
         arena.integers(n),

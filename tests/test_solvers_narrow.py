@@ -210,6 +210,7 @@ def test_a_wave_makes_the_same_as_sweep_after_sweep(lanes, monkeypatch):
     """Short chunks, so that half sweeps are under way in many places; against loops over neighbours."""
     monkeypatch.setattr(kernels, "CHUNK", 3)
     region = wide_net(17, 23) & (np.random.default_rng(2).random((17, 23)) < 0.8)
+    region[[0, -1]] = region[:, [0, -1]] = False
     parts = narrow.Parts.of(np.flatnonzero(region), region.shape, Arena())
     n, near = len(parts.place), parts.near
     slot, members = np.zeros(n, np.int32), np.zeros(n, np.int32)
@@ -221,9 +222,9 @@ def test_a_wave_makes_the_same_as_sweep_after_sweep(lanes, monkeypatch):
     kernels.join_slots(links, inverse, reach, near, slot, members, red, n, lanes)
     x, r = np.zeros((2, n + 2, lanes), np.float32)
     r[slot] = np.random.default_rng(3).normal(size=(n, lanes)).astype(np.float32)
-    kernels.sweep_slots(
-        x.reshape(-1), r.reshape(-1), links, inverse, reach, np.zeros(10, np.int64), red, n, lanes, np.float32(1.4), 5
-    )  # fmt: skip
+    seen, found = np.zeros(4 * lanes, np.int32), np.zeros(4 * lanes, np.float32)
+    where = links, inverse, reach, np.zeros(12, np.int64), seen, found, red, n, lanes, np.float32(1.4)
+    kernels.sweep_slots(x.reshape(-1), r.reshape(-1), *where, 5, True)
 
     expected = np.zeros((n + 1, lanes), np.float32)  # the last one stands for all that is known
     for half in range(10):
@@ -234,6 +235,9 @@ def test_a_wave_makes_the_same_as_sweep_after_sweep(lanes, monkeypatch):
             expected[i] += np.float32(1.4) * (d * (around + r[slot[i]]) - expected[i])
     assert np.array_equal(x[slot], expected[:n])
     assert not x[[red, n + 1]].any()
+    left = _matrix(region) @ expected[:n] - r[slot]
+    largest = seen.view(np.float32).reshape(4, lanes).max(0)
+    np.testing.assert_allclose(4 * largest, np.abs(left).max(0), rtol=1e-5)
 
 
 @pytest.mark.parametrize("channels", [1, 2, 4, 5, 8])

@@ -526,20 +526,19 @@ def put_into_slots(slot, members, colour, order, start, n):
 def join_slots(links, inverse, reach, near, slot, members, red, n, lanes):
     """What connects the slots of a part.
 
-    links: four per slot, where among the lanes of the other colour a neighbour's begin.  inverse: 1 / d.  reach: (2,
-    chunks) int32, of each chunk of a colour the last slot of the other one that it reads; -1 if it reads none.
+    links: four per slot, where among all lanes a neighbour's begin.  inverse: 1 / d.  reach: (2, chunks) int32, of each
+    chunk of a colour the last slot of the other one that it reads; -1 if it reads none.
     """
     for is_black in range(2):
         first, end = (red, n) if is_black else (np.int64(0), red)
-        other, nothing = (np.int64(0), red) if is_black else (red + 1, n - red)
         last = np.int64(-1)
         for k in range(first, end):
             i, own = np.int64(members[u(k)]), k + is_black
             for side in range(4):
                 j = np.int64(near[u(i), side])
-                at = np.int64(slot[u(max(j, np.int64(0)))]) - other
+                at = np.int64(slot[u(max(j, np.int64(0)))])
                 last = max(last, at) if j >= 0 else last
-                links[u(4 * own + side)] = lanes * (at if j >= 0 else nothing)
+                links[u(4 * own + side)] = lanes * (at if j >= 0 else red)
             inverse[u(own)] = 1.0 / neighbours(near, i)
             if (k + 1 - first) % CHUNK == 0 or k + 1 == end:
                 reach[is_black, u((k - first) // CHUNK)] = last
@@ -547,73 +546,31 @@ def join_slots(links, inverse, reach, near, slot, members, red, n, lanes):
 
 
 @loops
-def relax_four(own, other, r, at, one, two, three, four, inverse, omega):
+def relax_four(x, r, at, one, two, three, four, inverse, omega):
     """Over-relaxation of four lanes; those of the neighbours begin at one ... four."""
     for lane in range(u(FOUR)):
-        around = (other[one + lane] + other[four + lane]) + (other[two + lane] + other[three + lane])
-        own[at + lane] += omega * (inverse * (around + r[at + lane]) - own[at + lane])
+        around = (x[one + lane] + x[four + lane]) + (x[two + lane] + x[three + lane])
+        x[at + lane] += omega * (inverse * (around + r[at + lane]) - x[at + lane])
 
 
 @inlined
-def relax_slots(own, other, r, links, inverse, first, end, omega, lanes):
-    """Over-relaxation of slots first ... end of a colour, of which r, links and `inverse` are."""
+def relax_slots(x, r, links, inverse, first, end, omega, lanes):
+    """Over-relaxation of slots first ... end."""
     for k in range(first, end):
         of = u(4 * k)
         one, two = np.int64(links[of]), np.int64(links[of + u(1)])
         three, four = np.int64(links[of + u(2)]), np.int64(links[of + u(3)])
-        for piece in range(0, lanes, FOUR):
-            at = u(lanes * k + piece)
-            relax_four(
-                own, other, r, at, u(one + piece), u(two + piece), u(three + piece), u(four + piece), inverse[u(k)],
-                omega,
-            )  # fmt: skip
-
-
-@jit
-def sweep_slots(x, r, links, inverse, reach, done, red, n, lanes, omega, count):
-    """`count` sweeps over a part, in a wave: each half sweep goes on as far as the one before it has been where the
-    neighbours are, a chunk at a time, and finds in the cache what that one left.
-
-    x, r: float32, the lanes of all slots.  done: (2 * count,) int64, scratch: the chunks that a half sweep has done.
-    omega: float32.
-    """
-    second = red + 1
-    black, halves = n - red, 2 * count
-    x_red, x_black = x[: second * lanes], x[second * lanes :]
-    r_red, r_black = r[: second * lanes], r[second * lanes :]
-    links_red, links_black = links[: 4 * second], links[4 * second :]
-    inverse_red, inverse_black = inverse[:second], inverse[second:]
-    for half in range(halves):
-        done[u(half)] = 0
-    while done[u(halves - 1)] * CHUNK < black:
-        for half in range(halves):
-            is_black = half & 1
-            size, others = (black, red) if is_black else (red, black)
-            k = done[u(half)]
-            first, end = k * CHUNK, min((k + 1) * CHUNK, size)
-            if first >= size:
-                continue
-            if half > 0 and min(done[u(half - 1)] * CHUNK, others) <= reach[is_black, u(k)]:
-                break
-            done[u(half)] = k + 1
-            # Of known length the loop over lanes is gone.
-            if lanes == FOUR:
-                if is_black:
-                    relax_slots(x_black, x_red, r_black, links_black, inverse_black, first, end, omega, FOUR)
-                else:
-                    relax_slots(x_red, x_black, r_red, links_red, inverse_red, first, end, omega, FOUR)
-            elif is_black:
-                relax_slots(x_black, x_red, r_black, links_black, inverse_black, first, end, omega, lanes)
-            else:
-                relax_slots(x_red, x_black, r_red, links_red, inverse_red, first, end, omega, lanes)
+        for p in range(0, lanes, FOUR):
+            at = u(lanes * k + p)
+            relax_four(x, r, at, u(one + p), u(two + p), u(three + p), u(four + p), inverse[u(k)], omega)
 
 
 @loops
-def look_at_four(found, to, own, other, r, at, one, two, three, four, inverse):
+def look_at_four(found, to, x, r, at, one, two, three, four, inverse):
     """found = (r - A x) / d in four lanes."""
     for lane in range(u(FOUR)):
-        around = (other[one + lane] + other[four + lane]) + (other[two + lane] + other[three + lane])
-        found[to + lane] = inverse * (around + r[at + lane]) - own[at + lane]
+        around = (x[one + lane] + x[four + lane]) + (x[two + lane] + x[three + lane])
+        found[to + lane] = inverse * (around + r[at + lane]) - x[at + lane]
 
 
 @loops
@@ -625,49 +582,82 @@ def raise_to(largest, values, first, n):
 
 
 @inlined
-def largest_of_lane(largest, lane, lanes):
-    """The largest value of a lane, from what `raise_to` found for some slots together."""
-    bits = largest[u(lane)]
+def look_at_slots(seen, found, x, r, links, inverse, first, end, lanes):
+    """Raises `seen` to the bits of (r - A x) / d in slots first ... end.
+
+    seen: (TOGETHER lanes,) int32.  found: as many float32, scratch.
+    """
+    for begin in range(first, end, TOGETHER):
+        slots = min(TOGETHER, end - begin)
+        for k in range(begin, begin + slots):
+            of = u(4 * k)
+            one, two = np.int64(links[of]), np.int64(links[of + u(1)])
+            three, four = np.int64(links[of + u(2)]), np.int64(links[of + u(3)])
+            for p in range(0, lanes, FOUR):
+                to, at = u(lanes * (k - begin) + p), u(lanes * k + p)
+                look_at_four(
+                    found, to, x, r, at, u(one + p), u(two + p), u(three + p), u(four + p), inverse[u(k)]
+                )
+        raise_to(seen, found, 0, lanes * slots)
+
+
+@jit
+def sweep_slots(x, r, links, inverse, reach, done, seen, found, red, n, lanes, omega, count, looks):
+    """`count` sweeps over a part, in a wave: each half sweep goes on as far as the one before it has been where the
+    neighbours are, a chunk at a time, and finds in the cache what that one left.  So does a look in the end, if `looks`.
+
+    x, r: float32, the lanes of all slots.  done: (2 * count + 2,) int64, scratch: the chunks that a half sweep did.
+    seen, found: of `look_at_slots`.  omega: float32.
+    """
+    halves = 2 * count + (2 if looks else 0)
+    for half in range(halves):
+        done[u(half)] = 0
+    for k in range(TOGETHER * lanes):
+        seen[u(k)] = 0
+    while done[u(halves - 1)] * CHUNK < n - red:
+        for half in range(halves):
+            is_black = half & 1
+            base, size = (red + 1, n - red) if is_black else (np.int64(0), red)
+            base_before, size_before = (np.int64(0), red) if is_black else (red + 1, n - red)
+            k = done[u(half)]
+            if k * CHUNK >= size:
+                continue
+            if half > 0:
+                seen_before = min(done[u(half - 1)] * CHUNK, size_before)
+                if base_before + seen_before <= reach[is_black, u(k)]:
+                    break
+            done[u(half)] = k + 1
+            first, end = base + k * CHUNK, base + min((k + 1) * CHUNK, size)
+            # Of known length the loop over lanes is gone.
+            if half >= 2 * count:
+                if lanes == FOUR:
+                    look_at_slots(seen, found, x, r, links, inverse, first, end, FOUR)
+                else:
+                    look_at_slots(seen, found, x, r, links, inverse, first, end, lanes)
+            elif lanes == FOUR:
+                relax_slots(x, r, links, inverse, first, end, omega, FOUR)
+            else:
+                relax_slots(x, r, links, inverse, first, end, omega, lanes)
+
+
+@inlined
+def largest_of_lane(seen, lane, lanes):
+    """The largest value of a lane."""
+    bits = seen[u(lane)]
     for k in range(1, TOGETHER):
-        other = largest[u(k * lanes + lane)]
+        other = seen[u(k * lanes + lane)]
         bits = other if other > bits else bits
     return short_float_of(bits)
 
 
 @inlined
-def largest_z(largest, x, n, lanes, channels):
-    """largest: (TOGETHER lanes,) int32, scratch."""
+def largest_z(seen, x, n, lanes, channels):
+    """The largest z of all slots; `seen` is scratch."""
     for k in range(TOGETHER * lanes):
-        largest[u(k)] = 0
+        seen[u(k)] = 0
     for first in range(0, n + 2, TOGETHER):
-        raise_to(largest, x, lanes * first, lanes * min(TOGETHER, n + 2 - first))
-    return largest_of_lane(largest, channels, lanes)
-
-
-@inlined
-def largest_residuals(largest, found, x, r, links, inverse, red, n, lanes, channels):
-    """The largest |r - A x| / d of the channels, and that of z.
-
-    largest: (TOGETHER lanes,) int32, found: as many float32, scratch.
-    """
-    for k in range(TOGETHER * lanes):
-        largest[u(k)] = 0
-    for is_black in range(2):
-        base, end, to = (red + 1, n + 1, np.int64(0)) if is_black else (np.int64(0), red, lanes * (red + 1))
-        for first in range(base, end, TOGETHER):
-            slots = min(TOGETHER, end - first)
-            for k in range(first, first + slots):
-                at, of = lanes * k, u(4 * k)
-                one, two = to + links[of], to + links[of + u(1)]
-                three, four = to + links[of + u(2)], to + links[of + u(3)]
-                for p in range(0, lanes, FOUR):
-                    places = u(at + p), u(one + p), u(two + p), u(three + p), u(four + p)
-                    look_at_four(found, u(at - lanes * first + p), x, x, r, *places, inverse[u(k)])
-            raise_to(largest, found, 0, lanes * slots)
-    worst = 0.0
-    for c in range(channels):
-        worst = max(worst, largest_of_lane(largest, c, lanes))
-    return worst, largest_of_lane(largest, channels, lanes)
+        raise_to(seen, x, lanes * first, lanes * min(TOGETHER, n + 2 - first))
+    return largest_of_lane(seen, channels, lanes)
 
 
 @loops
@@ -741,9 +731,15 @@ def relax_part(
     red, most = np.int64(state[REDS]), 4.0  # neighbours
     while budget > 0:
         count, first = np.int64(state[AHEAD]), state[SWEPT] == 0
-        sweep_slots(x, r, links, inverse, reach, done, red, n, lanes, np.float32(state[OMEGA]), count)
+        omega = np.float32(state[OMEGA])
+        sweep_slots(x, r, links, inverse, reach, done, seen, found, red, n, lanes, omega, count, not first)
         state[SWEPT] += count
         budget -= n * (count + 1)
+        worst = missing = 0.0
+        if not first:
+            for c in range(channels):
+                worst = max(worst, most * largest_of_lane(seen, c, lanes))
+            missing = most * largest_of_lane(seen, channels, lanes)
         if state[STAGE] == 0:
             z = largest_z(seen, x, n, lanes, channels)
             rho = max(1.0 - STANDING_OUT / z, 0.0)
@@ -751,10 +747,8 @@ def relax_part(
             if first:  # nothing else is worth to be looked at yet
                 worst = state[START] * FIRST_GAIN
         if not first:
-            worst, missing = largest_residuals(seen, found, x, r, links, inverse, red, n, lanes, channels)
-            worst *= most
-            if state[STAGE] == 0 and most * missing < 1.0:
-                state[SOFTNESS] = z / (1.0 - most * missing)
+            if state[STAGE] == 0 and missing < 1.0:
+                state[SOFTNESS] = z / (1.0 - missing)
             bound = (worst + ROUNDED * state[START]) * state[SOFTNESS]
             allowed = max(precision, FLOOR * state[WHOLE] * state[SOFTNESS])
             if state[SOFTNESS] < np.inf and bound <= allowed:
