@@ -604,7 +604,7 @@ def look_at_slots(seen, found, x, r, links, inverse, first, end, lanes):
 @jit
 def sweep_slots(x, r, links, inverse, reach, done, seen, found, red, n, lanes, omega, count, looks):
     """`count` sweeps over a part, in a wave: each half sweep goes on as far as the one before it has been where the
-    neighbours are, a chunk at a time, and finds in the cache what that one left.  So does a look in the end, if `looks`.
+    neighbours are, a chunk at a time, and finds in the cache what that one left.  So does a look at the end if `looks`.
 
     x, r: float32, the lanes of all slots.  done: (2 * count + 2,) int64, scratch: the chunks that a half sweep did.
     seen, found: of `look_at_slots`.  omega: float32.
