@@ -117,7 +117,8 @@ class Canvas(Protocol):
         ----------
         place : (n,) int64
             Row * width + column of the pixels of the region, ascending.
-        correction : (n, C)
+        correction : (n, C or more)
+            What comes behind the channels is the solver's own.
         """
 
 

@@ -7,8 +7,8 @@ A step names what to do and on which level:
     TURN l        UP l, and DOWN l behind it
     COARSEST l    solve the coarsest level l exactly
 
-"Smooth" is one red-black Gauss-Seidel sweep, whose black half is over-relaxed on the way up.  A TURN is the end of one
-cycle and the beginning of the next, or the same inside an F- or W-cycle: what would be two passes through memory is
+"Smooth" is one red-black Gauss-Seidel sweep; its black half is over-relaxed after a correction.  A TURN is the end of
+one cycle and the beginning of the next, or the same inside an F- or W-cycle: what would be two passes through memory is
 one.  The recursion is unrolled here, in Python; a compiled kernel runs the list.
 """
 

@@ -29,7 +29,7 @@ from solvers.tolerance import (
 )
 
 # Contraction factors of F(1,1) lie near 0.07; below this one a measured factor is luck.
-LEAST_RHO = 0.12
+LEAST_RHO: dict[Cycle, float] = {"V": 0.12, "F": 0.10, "W": 0.10}
 # What is expected of a region that nothing is known of, and how many cycles are run without looking.
 TYPICAL_RHO = 0.06
 LONGEST_RUN = 4
@@ -37,7 +37,7 @@ LONGEST_RUN = 4
 FEWER = 0.25
 # Until two changes can be compared, at first and in later stages.
 FIRST_RHO = 0.25
-NEXT_RHO = 0.15
+NEXT_RHO = 0.12
 # A proposal for a certificate is judged by what it proves, not by a tolerance.
 ANY_TOLERANCE = float(np.finfo(np.float64).tiny)
 # A cycle that contracts no better than this is replaced by a stronger one.
@@ -153,14 +153,14 @@ def _iterate(
             rates.append(observed)
             if observed > STALLING_RHO:
                 cycling.strengthen()
-            return estimate(changes[-1], max(LEAST_RHO, next_rate(rates)))
+            return estimate(changes[-1], max(LEAST_RHO[cycling.names[-1]], next_rate(rates)))
         # What a stage begins with is what the cycles before it were slow to find.
         return estimate(changes[-1], max(NEXT_RHO, *rates) if rates else FIRST_RHO)
 
     def cycles_ahead(error: float, aim: float) -> int:
         """One cycle shows how large the error was, the others make it smaller."""
         expected = max([TYPICAL_RHO, *rates[-1:]])
-        cautious = max(LEAST_RHO, expected)
+        cautious = max(LEAST_RHO[cycling.names[-1]], expected)
         if rates:  # the estimate was cautious
             error *= expected / cautious
         after_one = estimate(error, cautious)

@@ -96,7 +96,7 @@ class Unpainted:
     def paint_at(self, place: NDArray[np.int64], correction: NDArray[np.float64]) -> Values:
         """The same of a correction to single pixels."""
         solution = self.paint(lambda rows, top: None, _at_once(self._window))
-        solution.reshape(-1, self.shape[2])[place] += correction
+        solution.reshape(-1, self.shape[2])[place] += correction[:, : self.shape[2]]
         return solution
 
     def paint(self, correct: Correct, share: Share) -> Values:

@@ -29,13 +29,14 @@ WHOLE = -1  # as the end of a range: all segments of the level
 RED, BLACK = 0, 1
 
 # Interpolation makes the coarse correction this much larger: piecewise constant restriction leaves it a few percent too
-# small for smooth errors.  Least where one corner alone is known: 0.18 without, 0.15 with it.
+# small for smooth errors.  Beside known pixels it is too large, see `setup.BESIDE_KNOWN`.
 OVERCORRECTION = 1.0375
 NEAR, FAR = np.float32(0.75 * OVERCORRECTION), np.float32(0.25 * OVERCORRECTION)
 
-# The black half sweep after a coarse correction goes this much too far where another sweep follows.  Together with
-# `OVERCORRECTION` it lowers the convergence factor of F-cycles from 0.10 to 0.07 on a disk, and on every other shape;
-# both were searched for on the regions of ``python -m benchmarks convergence``.
+# The black half sweep after a coarse correction goes this much too far, on the finest level and where another sweep
+# follows.  The three were searched for together on the regions of ``python -m benchmarks convergence``.  Without any of
+# them F-cycles contract by 0.10 on a disk; without BESIDE_KNOWN by 0.08, and by 0.17 where one corner alone is known;
+# with all of them by 0.07 and 0.13.
 OVERRELAXATION = np.float32(1.7)
 
 u = np.uint64  # what arrays are indexed with, see solvers.kernels
@@ -538,10 +539,10 @@ def relax_row(x, b, weight, size, stride, colour, row, columns, omega):
 def sweep_in_rows(x, b, weight, diagonal, share, scratch, runs, table, channels, begins, ends):
     """A visit to the finest level, the same bits as `sweep` makes of it: channel by channel, row by row.
 
-    begins: a cycle begins, with a sweep and restriction.  ends: one ends, with interpolation and a sweep; before the
-    next one it is over-relaxed.  Each row is interpolated into, relaxed by `relax_rows` and handed down as soon as can
-    be.  The rows that are under way, at most seven of one channel, stay in the first-level cache, where a wave of
-    segments is kept in the second one.  Returns what `sweep` does.
+    begins: a cycle begins, with a sweep and restriction.  ends: one ends, with interpolation and an over-relaxed sweep.
+    Each row is interpolated into, relaxed by `relax_rows` and handed down as soon as can be.  The rows that are under
+    way, at most seven of one channel, stay in the first-level cache, where a wave of segments is kept in the second
+    one.  Returns what `sweep` does.
     """
     stride, size, coarse_size = table[0, STRIDE], table[0, QUARTER], table[1, QUARTER]
     end, one = table[1, FIRST_RUN], np.float32(1.0)
