@@ -204,42 +204,6 @@ def sort_parts(order, rank, ends, part, starts):
 # nothing need be asked when neighbours are added up.
 
 
-@inlined
-def sum_inside(b, to, f, v_across, v_down, own, pair, line, channels, guided):
-    """The sums of `sum_pairs` for a pixel away from the image's edges."""
-    for c in range(channels):
-        o, p = u(own + c), u(pair + c)
-        here = np.float64(f[o])
-        total = (np.float64(f[o - u(line)]) - here) + (np.float64(f[o + u(line)]) - here)
-        total += (np.float64(f[o - u(channels)]) - here) + (np.float64(f[o + u(channels)]) - here)
-        if guided:
-            total += np.float64(v_down[o]) - np.float64(v_down[o - u(line)])
-            total += np.float64(v_across[p]) - np.float64(v_across[p - u(channels)])
-        b[u(to + c)] = total
-
-
-@inlined
-def sum_at_edge(b, to, f, v_across, v_down, own, pair, line, channels, guided, north, west, east, south):
-    """The same for any pixel; which neighbours there are."""
-    # In place of a pixel beyond the edge stands the pixel itself.
-    above, below, left, right = north * line, south * line, west * channels, east * channels
-    for c in range(channels):
-        o, p = own + c, pair + c
-        here = np.float64(f[u(o)])
-        total = (np.float64(f[u(o - above)]) - here) + (np.float64(f[u(o + below)]) - here)
-        total += (np.float64(f[u(o - left)]) - here) + (np.float64(f[u(o + right)]) - here)
-        if guided:
-            if north:
-                total -= np.float64(v_down[u(o - line)])
-            if south:
-                total += np.float64(v_down[u(o)])
-            if west:
-                total -= np.float64(v_across[u(p - channels)])
-            if east:
-                total += np.float64(v_across[u(p)])
-        b[u(to + c)] = total
-
-
 @jit
 def sum_pairs(b, place, values, across, down, rhs, height, top, low, high):
     """b_p = rhs_p + sum over q of v_pq - (f_p - f_q), in float64, for the unknowns low ... high.
@@ -273,20 +237,28 @@ def sum_pairs(b, place, values, across, down, rhs, height, top, low, high):
         if weighed:
             prefetch(more, ahead)
 
+        north, south, west, east = row > 0, row < height - 1, x > 0, x < width - 1
+        # In place of a pixel beyond the edge stands the pixel itself.
+        above, below, left, right = north * line, south * line, west * channels, east * channels
+        for c in range(channels):
+            o, p = own + c, pair + c
+            here = np.float64(f[u(o)])
+            total = (np.float64(f[u(o - above)]) - here) + (np.float64(f[u(o + below)]) - here)
+            total += (np.float64(f[u(o - left)]) - here) + (np.float64(f[u(o + right)]) - here)
+            if guided:
+                if north:
+                    total -= np.float64(v_down[u(o - line)])
+                if south:
+                    total += np.float64(v_down[u(o)])
+                if west:
+                    total -= np.float64(v_across[u(p - channels)])
+                if east:
+                    total += np.float64(v_across[u(p)])
+            if weighed:
+                total += np.float64(more[u(o)])
+            sums[u(to + c)] = total
         for lane in range(channels, lanes):
             sums[u(to + lane)] = lane == channels
-        north, south, west, east = row > 0, row < height - 1, x > 0, x < width - 1
-        if north and south and west and east:
-            if channels == 3:
-                sum_inside(sums, to, f, v_across, v_down, own, pair, line, 3, guided)
-            else:
-                sum_inside(sums, to, f, v_across, v_down, own, pair, line, channels, guided)
-        else:
-            sides = north, west, east, south
-            sum_at_edge(sums, to, f, v_across, v_down, own, pair, line, channels, guided, *sides)
-        if weighed:
-            for c in range(channels):
-                sums[u(to + c)] += np.float64(more[u(own + c)])
 
 
 @inlined
@@ -709,7 +681,7 @@ def begin_stage(r, residual, largest, total, b, near, members, red, n, lanes, ch
 
 # What is known of a part that is being relaxed: whether there is one, how many of its unknowns are red, the sweeps so
 # far, the stage, omega, the sweeps to come, max|r| before the stage and before the first one, and a bound of A^-1 1.
-BEGUN, REDS, SWEPT, STAGE, OMEGA, AHEAD, START, WHOLE, SOFTNESS = range(9)
+BEGUN, REDS, SWEPT, STAGE, OMEGA, COMING, START, WHOLE, SOFTNESS = range(9)
 KEPT = 9  # how many that are
 
 
@@ -730,7 +702,7 @@ def relax_part(
     """
     red, most = np.int64(state[REDS]), 4.0  # neighbours
     while budget > 0:
-        count, first = np.int64(state[AHEAD]), state[SWEPT] == 0
+        count, first = np.int64(state[COMING]), state[SWEPT] == 0
         omega = np.float32(state[OMEGA])
         sweep_slots(x, r, links, inverse, reach, done, seen, found, red, n, lanes, omega, count, not first)
         state[SWEPT] += count
@@ -776,7 +748,7 @@ def relax_part(
         if state[SWEPT] + (needed if known else 1) > SWEEPS:
             state[BEGUN], state[SWEPT] = 0, -1
             return budget, np.inf
-        state[AHEAD] = max(min(ahead, MOST_SWEEPS, LONGEST_RUN // n), 2)
+        state[COMING] = max(min(ahead, MOST_SWEEPS, LONGEST_RUN // n), 2)
     return budget, np.inf
 
 
@@ -845,7 +817,7 @@ def solve_parts(
                 swept[k] = np.float32(0.0)
             most = begin_stage(r, residual, largest, flat, rhs, near, members, red, n, lanes, channels, 0)
             state[BEGUN], state[REDS], state[SWEPT], state[STAGE] = 1, red, 0, 0
-            state[OMEGA], state[AHEAD], state[SOFTNESS] = FIRST_OMEGA, FIRST_SWEEPS, np.inf
+            state[OMEGA], state[COMING], state[SOFTNESS] = FIRST_OMEGA, FIRST_SWEEPS, np.inf
             state[START] = state[WHOLE] = most
         budget, bounds[u(part)] = relax_part(
             state, swept, r, links, inverse, reach, done, found, seen, residual, largest, flat, rhs, near, members, n,
