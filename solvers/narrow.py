@@ -146,7 +146,7 @@ def split(problem: PoissonProblem, arena: Arena, tolerance: float) -> NarrowSolu
     if (problem.unknowns + 2) * _lanes(problem.channels) > MOST_LANES:
         return None
     height, width = problem.region.shape
-    parts = Parts.of(places(problem.region, arena), (height, width), arena)
+    parts = Parts.of(places(problem.region, problem.unknowns, arena), (height, width), arena)
     narrow = parts.narrow
     if not narrow.all():
         if not narrow.any():
@@ -231,11 +231,11 @@ def _or_nothing(values: Values | None, like: Values) -> Values:
     return np.zeros((0, 0, 0), like.dtype) if values is None else with_channels(values)
 
 
-def places(region: NDArray[np.bool_], arena: Arena) -> NDArray[np.int64]:
-    """Row * width + column of each unknown, in reading order."""
+def places(region: NDArray[np.bool_], unknowns: int, arena: Arena) -> NDArray[np.int64]:
+    """Row * width + column of each unknown, in reading order; so many there are."""
     pixels = region.reshape(-1)
     words = np.require(pixels[: len(pixels) & ~7].view(np.int64), requirements="A")
-    place = arena.longs(int(np.count_nonzero(region)) + 1)
+    place = arena.longs(unknowns + 1)
     count = 0
     for call in _calls(len(words) + (len(pixels) & 7 > 0)):
         count = kernels.locate(place, count, words, pixels, *call)

@@ -315,7 +315,7 @@ def test_every_unknown_is_found_wherever_the_mask_begins(size, unaligned, monkey
     pixels = np.random.default_rng(9).random(unaligned + area) < 0.3
     pixels[-1] = True
     region = pixels[unaligned:].reshape(size)
-    assert np.array_equal(narrow.places(region, Arena()), np.flatnonzero(region))
+    assert np.array_equal(narrow.places(region, int(region.sum()), Arena()), np.flatnonzero(region))
 
 
 @pytest.mark.parametrize("size", [(1, 1), (7, 33), (8, 32), (31, 100)], ids=str)
