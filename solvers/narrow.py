@@ -29,8 +29,8 @@ WELL_FILLED = 0.45
 # Mean breadth, in pixels, up to which a part counts as narrow.
 NARROW = 6.0
 # A call of a kernel is not to take longer than .2 s: Python hears signals only in between.
-CALL = 30_000_000  # unknowns to sweep in a call, over and over,
-LARGEST_PART = 15_000_000  # or to get ready for that,
+CALL = 20_000_000  # unknowns to sweep in a call, over and over,
+LARGEST_PART = 2_000_000  # or to get ready for that,
 LONG_CALL = 5_000_000  # and of a call that looks at each once
 # Over-relaxation goes on until the bound of the error is this share of what is allowed.
 PRECISION = 0.95
@@ -211,7 +211,9 @@ def _right_hand_side(problem: PoissonProblem, parts: Parts, arena: Arena) -> NDA
         low, high = _within(parts.place, band.first, band.end, width)
         if low < high:
             v = [_or_nothing(array, band.values) for array in (band.across, band.down, band.rhs)]
-            kernels.sum_pairs(b, parts.place, band.values, *v, height, band.top, low, high)
+            for call in _calls(high - low):
+                own = low + call[0], low + call[1]
+                kernels.sum_pairs(b, parts.place, band.values, *v, height, band.top, *own)
     return b
 
 

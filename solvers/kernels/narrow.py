@@ -21,7 +21,8 @@ TOGETHER = 4  # slots that are compared in one go
 FIRST_OMEGA, FIRST_SWEEPS = 1.5, 8  # before anything is known of a part,
 FIRST_GAIN = 0.03  # and what these make of |r|, about
 MOST_SWEEPS = 16  # between two looks,
-LONGEST_RUN = 60_000_000  # or unknowns to sweep
+LONGEST_RUN = 20_000_000  # or unknowns to sweep
+READY = 8  # getting a part ready takes as long as so many sweeps
 SWEEPS = 90  # after so many, or if so many would be needed, a part is given up: multigrid is not slower then
 # What rho is: 1 - 0.31 / max z in a stripe, 1 - 0.36 / max z in a square, 1 - 0.25 / max z at most.
 STANDING_OUT = 0.31
@@ -817,8 +818,10 @@ def solve_parts(
                 swept[k] = np.float32(0.0)
             most = begin_stage(r, residual, largest, flat, rhs, near, members, red, n, lanes, channels, 0)
             state[BEGUN], state[REDS], state[SWEPT], state[STAGE] = 1, red, 0, 0
-            state[OMEGA], state[COMING], state[SOFTNESS] = FIRST_OMEGA, FIRST_SWEEPS, np.inf
+            state[OMEGA], state[SOFTNESS] = FIRST_OMEGA, np.inf
+            state[COMING] = max(min(FIRST_SWEEPS, LONGEST_RUN // n), 2)
             state[START] = state[WHOLE] = most
+            budget -= READY * n
         budget, bounds[u(part)] = relax_part(
             state, swept, r, links, inverse, reach, done, found, seen, residual, largest, flat, rhs, near, members, n,
             lanes, channels, precision, budget,
