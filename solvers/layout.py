@@ -47,6 +47,10 @@ HEIGHT, WIDTH, ROWS, COLS, STRIDE, QUARTER, OFFSET, FIRST_RUN, FIRST_SEGMENT = r
 ALIGNMENT = 64  # bytes: a cache line, and the widest vector register
 LANES = ALIGNMENT // 4  # float32 values in it
 
+# What a cell takes of an interpolated correction, in sevenths.  Interpolation puts the zero of a known pixel into the
+# middle of a coarse cell, which is further away than it is: beside it the correction comes out too large.
+NOTHING, BESIDE_KNOWN, ALL = np.uint8(0), np.uint8(6), np.uint8(7)
+
 Table = NDArray[np.int64]
 Float32 = NDArray[np.float32]
 

@@ -10,7 +10,7 @@ the whole of a finest level whose rows are long (`sweep_in_rows`).
 import numpy as np
 
 from solvers.kernels.policy import inlined, jit, loops
-from solvers.layout import COLS, FIRST_RUN, FIRST_SEGMENT, LANES, OFFSET, QUARTER, ROWS, STRIDE
+from solvers.layout import ALL, COLS, FIRST_RUN, FIRST_SEGMENT, LANES, OFFSET, QUARTER, ROWS, STRIDE
 
 # What a step is.  A sweep from zero takes x for zero, whatever it holds; a turn ends one cycle and begins the next.
 SWEEP, SWEEP_FROM_ZERO, TURN, COARSEST = 0, 1, 2, 3
@@ -29,9 +29,10 @@ WHOLE = -1  # as the end of a range: all segments of the level
 RED, BLACK = 0, 1
 
 # Interpolation makes the coarse correction this much larger: piecewise constant restriction leaves it a few percent too
-# small for smooth errors.  Beside known pixels it is too large, see `setup.BESIDE_KNOWN`.
+# small for smooth errors.  Beside known pixels it is too large, see `layout.BESIDE_KNOWN`.
 OVERCORRECTION = 1.0375
 NEAR, FAR = np.float32(0.75 * OVERCORRECTION), np.float32(0.25 * OVERCORRECTION)
+NEAR_PER_SHARE, FAR_PER_SHARE = np.float32(0.75 / int(ALL)), np.float32(0.25 / int(ALL))
 
 # The black half sweep after a coarse correction goes this much too far, on the finest level and where another sweep
 # follows.  The three were searched for together on the regions of ``python -m benchmarks convergence``.  Without any of
@@ -384,7 +385,7 @@ def add_interpolated(x, share, scratch, w, own, size, n, other):
     """x += the share of what lies in scratch, interpolated along the row, in n places of the black quarters; the one in
     the even rows lies from x[own] and share[w] on and finds its cells in scratch, the other one from `other` on.
     """
-    near, far = np.float32(0.75 / 7), np.float32(0.25 / 7)  # shares are sevenths
+    near, far = NEAR_PER_SHARE, FAR_PER_SHARE
     largest = np.int32(0)
     upper, w_upper, west = u(own), u(w), u(other)
     lower, w_lower, east = u(own + size), u(w + size), u(1)

@@ -378,26 +378,35 @@ def neighbours(near, i):
 
 
 @loops
-def find_four_residuals(residual, piece, largest, to, x, own, north, west, east, south, d, b, at):
-    """residual[piece ...] = b - A x in four lanes, in float64; largest[to ...]: the bits of the largest one so far."""
+def find_four_residuals(residual, largest, lanes, x, own, north, west, east, south, d, b, at):
+    """residual = b - A x in four lanes from `lanes` on, in float64; largest: the bits of the largest one so far."""
     for lane in range(u(FOUR)):
         along = np.float64(x[north + lane]) + np.float64(x[south + lane])
         across = np.float64(x[west + lane]) + np.float64(x[east + lane])
         left = (np.float64(b[at + lane]) - d * np.float64(x[own + lane])) + (along + across)
-        residual[u(piece) + lane] = left
+        residual[u(lanes) + lane] = left
         bits = bits_of(left)
-        largest[u(to) + lane] = bits if bits > largest[u(to) + lane] else largest[u(to) + lane]
+        largest[u(lanes) + lane] = bits if bits > largest[u(lanes) + lane] else largest[u(lanes) + lane]
 
 
 @inlined
-def residuals_of(residual, largest, to, x, b, near, i, lanes):
-    """residual = b - A x in the lanes of unknown i; largest[to ...]: the bits of the largest one so far."""
+def residuals_of(residual, largest, x, b, near, i, lanes):
+    """residual = b - A x in the lanes of unknown i; largest: the bits of the largest one so far."""
     at, own, d = lanes * i, lanes * (i + 2), neighbours(near, i)
     north, west = lanes * (np.int64(near[u(i), 0]) + 2), lanes * (np.int64(near[u(i), 1]) + 2)
     east, south = lanes * (np.int64(near[u(i), 2]) + 2), lanes * (np.int64(near[u(i), 3]) + 2)
     for k in range(0, lanes, FOUR):
         places = u(own + k), u(north + k), u(west + k), u(east + k), u(south + k)
-        find_four_residuals(residual, k, largest, to + k, x, *places, d, b, u(at + k))
+        find_four_residuals(residual, largest, k, x, *places, d, b, u(at + k))
+
+
+@inlined
+def largest_channel(largest, channels):
+    """The largest residual of a channel, from what `residuals_of` found in all lanes."""
+    bits = np.int64(0)
+    for c in range(channels):
+        bits = max(bits, largest[u(c)])
+    return float_of(bits)
 
 
 # --- elimination in reading order --------------------------------------------------------------------------------
@@ -635,7 +644,7 @@ def largest_z(seen, x, n, lanes, channels):
 
 @loops
 def round_four(r, to, b, at, largest, lanes):
-    """r = b, rounded to float32, in four lanes; largest[lanes ...]: the bits of the largest one so far."""
+    """r = b, rounded to float32, in four lanes; largest: from `lanes` on, the bits of the largest one so far."""
     for lane in range(u(FOUR)):
         value = b[at + lane]
         r[to + lane] = np.float32(value)
@@ -668,22 +677,20 @@ def begin_stage(r, residual, largest, total, b, near, members, red, n, lanes, ch
     for k in range(n):
         i, at = np.int64(members[u(k)]), lanes * (k + (k >= red))
         if stage > 0:
-            residuals_of(residual, largest, 0, total, b, near, i, lanes)
+            residuals_of(residual, largest, total, b, near, i, lanes)
         for p in range(0, lanes, FOUR):
             if stage > 0:
                 round_four(r, u(at + p), residual, u(p), largest, p)
             else:
                 round_four(r, u(at + p), b, u(lanes * i + p), largest, p)
-    bits = np.int64(0)
-    for c in range(channels):
-        bits = max(bits, largest[u(c)])
-    return float_of(bits)
+    return largest_channel(largest, channels)
 
 
 # What is known of a part that is being relaxed: whether there is one, how many of its unknowns are red, the sweeps so
 # far, the stage, omega, the sweeps to come, max|r| before the stage and before the first one, and a bound of A^-1 1.
-BEGUN, REDS, SWEPT, STAGE, OMEGA, COMING, START, WHOLE, SOFTNESS = range(9)
-KEPT = 9  # how many that are
+BEGUN, REDS, SWEPT, STAGE, OMEGA, COMING, START, WHOLE, SOFTNESS, KEPT = range(
+    10
+)  # the last one: how many there are
 
 
 @jit
@@ -708,28 +715,27 @@ def relax_part(
         sweep_slots(x, r, links, inverse, reach, done, seen, found, red, n, lanes, omega, count, not first)
         state[SWEPT] += count
         budget -= n * (count + 1)
-        worst = missing = 0.0
-        if not first:
+        if first:  # nothing but z is worth to be looked at yet
+            worst, missing = state[START] * FIRST_GAIN, 1.0
+        else:
+            worst, missing = 0.0, most * largest_of_lane(seen, channels, lanes)
             for c in range(channels):
                 worst = max(worst, most * largest_of_lane(seen, c, lanes))
-            missing = most * largest_of_lane(seen, channels, lanes)
         if state[STAGE] == 0:
             z = largest_z(seen, x, n, lanes, channels)
             rho = max(1.0 - STANDING_OUT / z, 0.0)
             state[OMEGA] = 2.0 / (1.0 + math.sqrt(1.0 - rho * rho))
-            if first:  # nothing else is worth to be looked at yet
-                worst = state[START] * FIRST_GAIN
-        if not first:
-            if state[STAGE] == 0 and missing < 1.0:
+            if missing < 1.0:
                 state[SOFTNESS] = z / (1.0 - missing)
+        known = state[SOFTNESS] < np.inf
+        if known:
             bound = (worst + ROUNDED * state[START]) * state[SOFTNESS]
             allowed = max(precision, FLOOR * state[WHOLE] * state[SOFTNESS])
-            if state[SOFTNESS] < np.inf and bound <= allowed:
+            if bound <= allowed:
                 end_stage(total, x, members, red, n, lanes, state[STAGE])
                 state[BEGUN] = 0
                 return budget, bound
         # How large |r| may be in the end, and at the end of this stage.
-        known = state[SOFTNESS] < np.inf
         enough = max(precision / state[SOFTNESS], FLOOR * state[WHOLE])
         gain = max(GAIN, BLIND * state[SOFTNESS]) if known else GAIN
         if known and worst <= gain * state[START]:
@@ -764,12 +770,9 @@ def bound_of(residual, largest, x, b, near, order, start, n, lanes, channels):
     softness = 0.0
     for k in range(start, start + n):
         i = np.int64(order[u(k)])
-        residuals_of(residual, largest, 0, x, b, near, i, lanes)
+        residuals_of(residual, largest, x, b, near, i, lanes)
         softness = max(softness, x[u(lanes * (i + 2) + channels)])
-    bits = np.int64(0)
-    for c in range(channels):
-        bits = max(bits, largest[u(c)])
-    return float_of(bits) * softness
+    return largest_channel(largest, channels) * softness
 
 
 @jit

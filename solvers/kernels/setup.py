@@ -4,11 +4,14 @@ import numpy as np
 
 from solvers.kernels.policy import inlined, jit, loops
 from solvers.layout import (
+    ALL,
+    BESIDE_KNOWN,
     COLS,
     FIRST_RUN,
     FIRST_SEGMENT,
     HEIGHT,
     LANES,
+    NOTHING,
     OFFSET,
     QUARTER,
     STRIDE,
@@ -16,10 +19,6 @@ from solvers.layout import (
 )
 
 LEAK_CAP = np.float32(4.0)  # conductance of a known value a quarter of a cell away
-
-# What a cell takes of an interpolated correction, in sevenths.  Interpolation puts the zero of a known pixel into the
-# middle of a coarse cell, which is further away than it is: beside it the correction comes out too large.
-NOTHING, BESIDE_KNOWN, ALL = np.uint8(0), np.uint8(6), np.uint8(7)
 
 u = np.uint64  # what arrays are indexed with, see solvers.kernels
 
