@@ -206,7 +206,8 @@ def _matrix(region: np.ndarray) -> scipy.sparse.csc_matrix:
 
 
 @pytest.mark.parametrize("lanes", [4, 8])
-def test_a_wave_makes_the_same_as_sweep_after_sweep(lanes, monkeypatch):
+@pytest.mark.parametrize("looks", [0, 1, 2])
+def test_a_wave_makes_the_same_as_sweep_after_sweep(lanes, looks, monkeypatch):
     """Short chunks, so that half sweeps are under way in many places; against loops over neighbours."""
     monkeypatch.setattr(kernels, "CHUNK", 3)
     region = wide_net(17, 23) & (np.random.default_rng(2).random((17, 23)) < 0.8)
@@ -223,19 +224,22 @@ def test_a_wave_makes_the_same_as_sweep_after_sweep(lanes, monkeypatch):
     x, r = np.zeros((2, n + 2, lanes), np.float32)
     r[slot] = np.random.default_rng(3).normal(size=(n, lanes)).astype(np.float32)
     seen, found = np.zeros(4 * lanes, np.int32), np.zeros(4 * lanes, np.float32)
-    where = links, inverse, reach, np.zeros(12, np.int64), seen, found, red, n, lanes, np.float32(1.4)
-    kernels.sweep_slots(x.reshape(-1), r.reshape(-1), *where, 5, True)
+    where = links, inverse, reach, np.zeros(12, np.int64), seen, found, red, n, lanes
+    kernels.sweep_slots(
+        x.reshape(-1), r.reshape(-1), *where, np.float32(1.4), np.float32(1.1), count := 5, looks
+    )
 
     expected = np.zeros((n + 1, lanes), np.float32)  # the last one stands for all that is known
-    for half in range(10):
+    for half in range(2 * count):
         for i in np.flatnonzero(parts.colour == half % 2):
             north, west, east, south = (expected[j if j >= 0 else n] for j in near[i])
             around = (north + south) + (west + east)
             d = np.float32(1.0 / (near[i] != kernels.BEYOND).sum())
-            expected[i] += np.float32(1.4) * (d * (around + r[slot[i]]) - expected[i])
+            omega = np.float32(1.4 if half < 2 * (count - 1) else 1.1)
+            expected[i] += omega * (d * (around + r[slot[i]]) - expected[i])
     assert np.array_equal(x[slot], expected[:n])
     assert not x[[red, n + 1]].any()
-    left = _matrix(region) @ expected[:n] - r[slot]
+    left = (_matrix(region) @ expected[:n] - r[slot]) * (parts.colour < looks)[:, np.newaxis]
     largest = seen.view(np.float32).reshape(4, lanes).max(0)
     np.testing.assert_allclose(4 * largest, np.abs(left).max(0), rtol=1e-5)
 

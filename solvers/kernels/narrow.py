@@ -24,6 +24,7 @@ FIRST_OMEGA, FIRST_SWEEPS = 1.5, 8  # before anything is known of a part,
 FIRST_GAIN = 0.03  # and what these make of |r|, about
 MOST_SWEEPS = 16  # between two looks,
 LONGEST_RUN = 20_000_000  # or unknowns to sweep
+LEFT = 3.0  # |r| before a sweep of Gauss and Seidel by what it leaves, at least
 READY = 8  # getting a part ready takes as long as so many sweeps
 SWEEPS = 90  # after so many, or if so many would be needed, a part is given up: multigrid is not slower then
 # What rho is: 1 - 0.31 / max z in a stripe, 1 - 0.36 / max z in a square, 1 - 0.25 / max z at most.
@@ -597,19 +598,20 @@ def look_at_slots(seen, found, x, r, links, inverse, first, end, lanes):
 
 
 @jit
-def sweep_slots(x, r, links, inverse, reach, done, seen, found, red, n, lanes, omega, count, looks):
+def sweep_slots(x, r, links, inverse, reach, done, seen, found, red, n, lanes, omega, last, count, looks):
     """`count` sweeps over a part, in a wave: each half sweep goes on as far as the one before it has been where the
-    neighbours are, a chunk at a time, and finds in the cache what that one left.  So does a look at the end if `looks`.
+    neighbours are, a chunk at a time, and finds in the cache what that one left.  So do looks: none, or one at the red
+    unknowns, or one at both.
 
     x, r: float32, the lanes of all slots.  done: (2 * count + 2,) int64, scratch: the chunks that a half sweep did.
-    seen, found: of `look_at_slots`.  omega: float32.
+    seen, found: of `look_at_slots`.  omega, last: float32; the latter is that of the last sweep.
     """
-    halves = 2 * count + (2 if looks else 0)
+    halves = 2 * count + looks
     for half in range(halves):
         done[u(half)] = 0
     for k in range(TOGETHER * lanes):
         seen[u(k)] = 0
-    while done[u(halves - 1)] * CHUNK < n - red:
+    while done[u(halves - 1)] * CHUNK < (red if halves & 1 else n - red):
         for half in range(halves):
             is_black = half & 1
             base, size = (red + 1, n - red) if is_black else (np.int64(0), red)
@@ -623,6 +625,7 @@ def sweep_slots(x, r, links, inverse, reach, done, seen, found, red, n, lanes, o
                     break
             done[u(half)] = k + 1
             first, end = base + k * CHUNK, base + min((k + 1) * CHUNK, size)
+            factor = omega if half < 2 * count - 2 else last
             # Of known length the loop over lanes is gone.
             if half >= 2 * count:
                 if lanes == FOUR:
@@ -630,9 +633,9 @@ def sweep_slots(x, r, links, inverse, reach, done, seen, found, red, n, lanes, o
                 else:
                     look_at_slots(seen, found, x, r, links, inverse, first, end, lanes)
             elif lanes == FOUR:
-                relax_slots(x, r, links, inverse, first, end, omega, FOUR)
+                relax_slots(x, r, links, inverse, first, end, factor, FOUR)
             else:
-                relax_slots(x, r, links, inverse, first, end, omega, lanes)
+                relax_slots(x, r, links, inverse, first, end, factor, lanes)
 
 
 @inlined
@@ -700,10 +703,19 @@ def begin_stage(r, residual, largest, total, b, near, members, red, n, lanes, ch
 
 
 # What is known of a part that is being relaxed: whether there is one, how many of its unknowns are red, the sweeps so
-# far, the stage, omega, the sweeps to come, max|r| before the stage and before the first one, and a bound of A^-1 1.
-BEGUN, REDS, SWEPT, STAGE, OMEGA, COMING, START, WHOLE, SOFTNESS, KEPT = range(
-    10
-)  # the last one: how many there are
+# far, the stage, omega, max|r| before the first stage, before this one, and by now, max z, and a bound of A^-1 1.
+BEGUN, REDS, SWEPT, STAGE, OMEGA, WHOLE, START, NOW, LARGEST_Z, SOFTNESS, KEPT = range(11)  # KEPT: how many there are
+
+
+@inlined
+def sweeps_to(aim, worst, contraction):
+    """How many sweeps make `worst` as small as `aim`; at least one, and no more than are of interest."""
+    count = np.int64(1)
+    worst *= contraction
+    while worst > aim and count <= SWEEPS:
+        worst *= contraction
+        count += 1
+    return count
 
 
 @jit
@@ -718,57 +730,65 @@ def relax_part(
     Jacobi's iteration contracts by rho <= 1 - 1 / (d max z) (Collatz 1942), by less where the largest z stands out from
     its surroundings, and rho gives the best omega (Young 1954).
 
+    A stage ends where float32 should be at its end; what is left then is computed in float64.  The last one ends with a
+    sweep of Gauss and Seidel, which leaves nothing at the black unknowns and less at the red ones than over-relaxation.
+
     state[BEGUN] becomes 0 when the part is done; state[SWEPT] is -1 then if it was given up.  Returns what is left of
     the budget, and the bound.
     """
     red, most = np.int64(state[REDS]), 4.0  # neighbours
     while budget > 0:
-        count, first = np.int64(state[COMING]), state[SWEPT] == 0
+        start, z, softness = state[START], state[LARGEST_Z], state[SOFTNESS]
+        known = softness < np.inf
+        contraction = max(state[OMEGA] - 1.0, FASTEST)  # in the long run
+        # How large |r| may be in the end, and at the end of this stage.
+        enough = max(precision / (softness if known else 2.0 * z), FLOOR * state[WHOLE])
+        aim = (max(GAIN, BLIND * z) if known or state[STAGE] == 0 else FIRST_GAIN) * start
+        is_last = known and enough >= aim
+        first = state[SWEPT] == 0
+        count = FIRST_SWEEPS if first else sweeps_to(LEFT * enough if is_last else aim, state[NOW], contraction)
+        if not first and state[SWEPT] + max(count, sweeps_to(enough, state[NOW], contraction)) > SWEEPS:
+            state[BEGUN], state[SWEPT] = 0, -1
+            return budget, np.inf
+        now = max(min(count, MOST_SWEEPS, LONGEST_RUN // n), 2)
+        is_end = now >= count and not first
+        looks = is_last and is_end
         omega = np.float32(state[OMEGA])
-        sweep_slots(x, r, links, inverse, reach, done, seen, found, red, n, lanes, omega, count, not first)
-        state[SWEPT] += count
-        budget -= n * (count + 1)
-        if first:  # nothing but z is worth to be looked at yet
-            worst, missing = state[START] * FIRST_GAIN, 1.0
-        else:
-            worst, missing = 0.0, most * largest_of_lane(seen, channels, lanes)
+        sweep_slots(
+            x, r, links, inverse, reach, done, seen, found, red, n, lanes, omega,
+            np.float32(1.0) if looks else omega, now, np.int64(looks),
+        )  # fmt: skip
+        state[SWEPT] += now
+        budget -= n * (now + 1)
+        if looks:
+            state[NOW] = 0.0
             for c in range(channels):
-                worst = max(worst, most * largest_of_lane(seen, c, lanes))
-        if state[STAGE] == 0:
-            z = largest_z(seen, x, n, lanes, channels)
-            rho = max(1.0 - STANDING_OUT / z, 0.0)
-            state[OMEGA] = 2.0 / (1.0 + math.sqrt(1.0 - rho * rho))
-            if missing < 1.0:
-                state[SOFTNESS] = z / (1.0 - missing)
-        known = state[SOFTNESS] < np.inf
-        if known:
-            bound = (worst + ROUNDED * state[START]) * state[SOFTNESS]
-            allowed = max(precision, FLOOR * state[WHOLE] * state[SOFTNESS])
-            if bound <= allowed:
+                state[NOW] = max(state[NOW], most * largest_of_lane(seen, c, lanes))
+            bound = (state[NOW] + ROUNDED * max(1.0, softness) * start) * softness
+            if bound <= max(precision, FLOOR * state[WHOLE] * softness):
                 end_stage(total, x, members, red, n, lanes, state[STAGE])
                 state[BEGUN] = 0
                 return budget, bound
-        # How large |r| may be in the end, and at the end of this stage.
-        enough = max(precision / state[SOFTNESS], FLOOR * state[WHOLE])
-        gain = max(GAIN, BLIND * state[SOFTNESS]) if known else GAIN
-        if known and worst <= gain * state[START]:
+            continue
+        for _ in range(now):
+            state[NOW] *= contraction
+        if first:
+            state[NOW] = FIRST_GAIN * start
+        if not known:
+            found_z = largest_z(seen, x, n, lanes, channels)
+            state[LARGEST_Z] = found_z if state[STAGE] == 0 else z + found_z
+            rho = max(1.0 - STANDING_OUT / state[LARGEST_Z], 0.0)
+            state[OMEGA] = 2.0 / (1.0 + math.sqrt(1.0 - rho * rho))
+        if is_end:
             end_stage(total, x, members, red, n, lanes, state[STAGE])
             state[STAGE] += 1
-            worst = begin_stage(
+            state[START] = state[NOW] = begin_stage(
                 r, residual, largest, total, b, near, members, red, n, lanes, channels, state[STAGE]
             )
-            state[START] = worst
-        # A sweep contracts by omega - 1, in the long run.
-        contraction, for_now = max(state[OMEGA] - 1.0, FASTEST), max(enough, gain * state[START])
-        ahead = needed = 1
-        while worst > enough and state[SWEPT] + needed <= SWEEPS:
-            worst *= contraction
-            ahead += worst > for_now
-            needed += 1
-        if state[SWEPT] + (needed if known else 1) > SWEEPS:
-            state[BEGUN], state[SWEPT] = 0, -1
-            return budget, np.inf
-        state[COMING] = max(min(ahead, MOST_SWEEPS, LONGEST_RUN // n), 2)
+            missing = float_of(largest[u(channels)])
+            if not known and missing < 1.0:
+                state[SOFTNESS] = state[LARGEST_Z] / (1.0 - missing)
+            budget -= READY * n
     return budget, np.inf
 
 
@@ -845,9 +865,8 @@ def solve_parts(
                 swept[k] = np.float32(0.0)
             most = begin_stage(r, residual, largest, flat, rhs, near, members, red, n, lanes, channels, 0)
             state[BEGUN], state[REDS], state[SWEPT], state[STAGE] = 1, red, 0, 0
-            state[OMEGA], state[SOFTNESS] = FIRST_OMEGA, np.inf
-            state[COMING] = max(min(FIRST_SWEEPS, LONGEST_RUN // n), 2)
-            state[START] = state[WHOLE] = most
+            state[OMEGA], state[LARGEST_Z], state[SOFTNESS] = FIRST_OMEGA, 1.0, np.inf
+            state[WHOLE] = state[START] = state[NOW] = most
             budget -= READY * n
         budget, bounds[u(part)] = relax_part(
             state, swept, r, links, inverse, reach, done, found, seen, residual, largest, flat, rhs, near, members, n,
