@@ -86,7 +86,7 @@ class Correction:
         total = self.total if corrected else self.x[:0]
 
         def rows(first: int, end: int) -> bool:
-            line64 = np.empty(width * channels)
+            line64 = np.empty((width + 1) * channels)
             exact = True
             for band in canvas.equations(first, end):
                 v = [_or_nothing(array, band.values) for array in (band.across, band.down, band.rhs)]

@@ -26,12 +26,28 @@ def largest_of(a, b):
 
 
 @loops
-def set_differences(line, f, north, south, own, n):
-    """line = (f at north - f) + (f at south - f), n values; `north`, `south` and `own` say where they begin in f."""
-    north, south, own = u(north), u(south), u(own)
+def sum_up(line, to, f, own, row, channels, across, pair, down, n):
+    """line = the sum of v_pq - (f_p - f_q) over all four neighbours, n values from line[to] on.
+
+    own: where they begin in f, and in `down`; pair: in `across`.  row: values in a row of f.
+    """
+    to, own, pair, channels = u(to), u(own), u(pair), u(channels)
+    north, south, west, east = own - u(row), own + u(row), own - channels, own + channels
     for i in range(u(n)):
         middle = np.float64(f[own + i])
-        line[i] = (np.float64(f[north + i]) - middle) + (np.float64(f[south + i]) - middle)
+        vertical = (np.float64(f[north + i]) - middle) + (np.float64(f[south + i]) - middle)
+        horizontal = (np.float64(f[west + i]) - middle) + (np.float64(f[east + i]) - middle)
+        along = np.float64(across[pair + i]) - np.float64(across[pair - channels + i])
+        line[to + i] = ((vertical + horizontal) + along - np.float64(down[north + i])) + np.float64(down[own + i])
+
+
+@loops
+def set_differences(line, to, f, north, south, own, n):
+    """line = (f at north - f) + (f at south - f), n values from line[to] on; the others say where they begin in f."""
+    to, north, south, own = u(to), u(north), u(south), u(own)
+    for i in range(u(n)):
+        middle = np.float64(f[own + i])
+        line[to + i] = (np.float64(f[north + i]) - middle) + (np.float64(f[south + i]) - middle)
 
 
 @loops
@@ -60,44 +76,91 @@ def add_values(line, to, f, at, n, sign):
 
 
 @jit
-def residual_of_row(line, values, across, down, rhs, y, is_first, is_last, low, high):
-    """line = rhs_p + sum over q of v_pq - (f_p - f_q) for columns low ... high of row y of the arrays.
-
-    line: channels interleaved, as in the arrays.  is_first, is_last: whether it is the image's first row, its last.
-    """
+def residual_of_pixels(line, at, values, across, down, rhs, y, is_first, is_last, low, high):
+    """`residual_of_row` step by step, from line[at] on: for any pixels, and whichever arrays there are."""
     width, channels = values.shape[1:]
     start, stop, pixels = low * channels, high * channels, width * channels
     n = stop - start
     # Values from `begin` to `end` have a neighbour on both sides.
     begin, end = max(start, channels), max(min(stop, pixels - channels), channels)
     west_edge, east_edge = low == 0 and width > 1, high == width and width > 1
-    inner, to, last = max(end - begin, 0), begin - start, n - channels
+    inner, to, last = max(end - begin, 0), at + begin - start, at + n - channels
 
     f, own = values.reshape(-1), y * pixels
     # A pixel beyond the edge, in whose place stands the pixel itself, makes no difference.
     north = own + start - (0 if is_first else pixels)
     south = own + start + (0 if is_last else pixels)
-    set_differences(line, f, north, south, own + start, n)
+    set_differences(line, at, f, north, south, own + start, n)
     add_differences(line, to, f, own + begin - channels, own + begin + channels, own + begin, inner)
     if west_edge:
-        add_difference(line, 0, f, own + channels, own, channels)
+        add_difference(line, at, f, own + channels, own, channels)
     if east_edge:
         add_difference(line, last, f, own + stop - 2 * channels, own + stop - channels, channels)
     if across.shape[0] > 0:
         v, pairs = across.reshape(-1), y * (pixels - channels)
         add_difference(line, to, v, pairs + begin, pairs + begin - channels, inner)
         if west_edge:
-            add_values(line, 0, v, pairs, channels, 1.0)
+            add_values(line, at, v, pairs, channels, 1.0)
         if east_edge:
             add_values(line, last, v, pairs + stop - 2 * channels, channels, -1.0)
     if down.shape[0] > 0:
         v = down.reshape(-1)
         if not is_first:
-            add_values(line, 0, v, own - pixels + start, n, -1.0)
+            add_values(line, at, v, own - pixels + start, n, -1.0)
         if not is_last:
-            add_values(line, 0, v, own + start, n, 1.0)
+            add_values(line, at, v, own + start, n, 1.0)
     if rhs.shape[0] > 0:
-        add_values(line, 0, rhs.reshape(-1), own + start, n, 1.0)
+        add_values(line, at, rhs.reshape(-1), own + start, n, 1.0)
+
+
+@jit
+def residual_of_row(line, values, across, down, rhs, y, is_first, is_last, low, high):
+    """line = rhs_p + sum over q of v_pq - (f_p - f_q) for columns low ... high of row y of the arrays.
+
+    line: channels interleaved, as in the arrays.  is_first, is_last: whether it is the image's first row, its last.
+    """
+    width, channels = values.shape[1:]
+    arrays = values, across, down, rhs
+    if is_first or is_last or across.shape[0] == 0 or down.shape[0] == 0 or rhs.shape[0] > 0:
+        residual_of_pixels(line, 0, *arrays, y, is_first, is_last, low, high)
+        return
+    begin, end = max(low, 1), min(high, width - 1)
+    pixels = width * channels
+    at, to, pair = begin * channels, (begin - low) * channels, (y * (width - 1) + begin) * channels
+    n = max(end - begin, 0) * channels
+    f, v, w = values.reshape(-1), across.reshape(-1), down.reshape(-1)
+    sum_up(line, to, f, y * pixels + at, pixels, channels, v, pair, w, n)
+    if low < begin:
+        residual_of_pixels(line, 0, *arrays, y, is_first, is_last, low, begin)
+    if begin <= end < high:
+        residual_of_pixels(line, to + n, *arrays, y, is_first, is_last, end, high)
+
+
+@loops
+def put_three(b, at, size, line, weight, n):
+    """Sums of three channels in the line to b, for n pairs of pixels: those of even columns go to one quarter, those
+    of odd ones to the next one, and the places of both begin at `at` in theirs; 0 outside the region.
+
+    Returns how many float32 did not hold exactly.  Written out, so that LLVM loads and sorts whole vectors.
+    """
+    at, size = u(at), u(size)
+    odd, green, blue = at + size, u(4) * size, u(8) * size
+    inexact = np.int64(0)
+    for i in range(u(n)):
+        red_0, green_0, blue_0 = line[u(6) * i], line[u(6) * i + u(1)], line[u(6) * i + u(2)]
+        red_1, green_1, blue_1 = line[u(6) * i + u(3)], line[u(6) * i + u(4)], line[u(6) * i + u(5)]
+        inside_0, inside_1 = weight[at + i] > 0, weight[odd + i] > 0
+        red_0, green_0, blue_0 = (
+            red_0 if inside_0 else 0.0, green_0 if inside_0 else 0.0, blue_0 if inside_0 else 0.0,
+        )  # fmt: skip
+        red_1, green_1, blue_1 = (
+            red_1 if inside_1 else 0.0, green_1 if inside_1 else 0.0, blue_1 if inside_1 else 0.0,
+        )  # fmt: skip
+        b[at + i], b[at + green + i], b[at + blue + i] = red_0, green_0, blue_0
+        b[odd + i], b[odd + green + i], b[odd + blue + i] = red_1, green_1, blue_1
+        inexact += (np.float32(red_0) != red_0) | (np.float32(green_0) != green_0) | (np.float32(blue_0) != blue_0)
+        inexact += (np.float32(red_1) != red_1) | (np.float32(green_1) != green_1) | (np.float32(blue_1) != blue_1)
+    return inexact
 
 
 @loops
@@ -129,7 +192,7 @@ def put_less(b, to, line, first, step, weight, diagonal, at, total, north, west,
 def assemble(b, line, total, values, across, down, rhs, top, first, end, weight, diagonal, runs, table):
     """b = the problem's residual at f + total, for rows first ... end of the image (`first` is even).
 
-    line: scratch for width * channels sums, float64.  total: as b, or empty for zeros.  values: (n, width, channels) f,
+    line: scratch for (width + 1) * channels sums, float64.  total: as b, or empty for zeros.  values: (n, width, channels) f,
     known outside the region, first guess inside; row `top` of the image comes first.  across, down: v on pixel pairs
     (`Guidance`); rhs: like values; arrays without rows stand for zeros.  runs: those of the rows.
 
@@ -146,9 +209,13 @@ def assemble(b, line, total, values, across, down, rhs, top, first, end, weight,
             residual_of_row(
                 line, values, across, down, rhs, row - top, row == 0, row == height - 1, low, high
             )
+            at = (begin // 2 + 1) * stride + low // 2
+            if channels == 3 and total.shape[0] == 0:
+                # A column more than there may be: nothing is inside the region there.
+                inexact += put_three(b, 2 * (row & 1) * size + at, size, line, weight, (high - low + 1) // 2)
+                continue
             for side in range(2):
                 quarter, n = 2 * (row & 1) + side, (high - low - side + 1) // 2
-                at = (begin // 2 + 1) * stride + low // 2
                 own = quarter * size + at
                 for channel in range(channels):
                     plane, first_sum = 4 * channel * size, side * channels + channel
