@@ -56,12 +56,13 @@ class Correction:
     @classmethod
     def of(cls, problem: PoissonProblem, arena: Arena, team: Team) -> Correction:
         """u = 0, with the right-hand side of the problem; it lives in the arena."""
-        region = problem.region
+        region, unknowns = problem.region, problem.unknowns
         if problem.floating:
             # The equations fix all but a constant.  One pixel is held, the constant is set at the end.
             region = region.copy()
             region[region.shape[0] // 2, region.shape[1] // 2] = False
-        hierarchy = build_hierarchy(region, arena, team, screening=problem.screening)
+            unknowns -= 1
+        hierarchy = build_hierarchy(region, arena, team, screening=problem.screening, n_unknowns=unknowns)
         arena.reclaim()  # what was needed on the way there is 5 bytes per pixel
         channels, table = problem.channels, hierarchy.table
         correction = cls(

@@ -160,6 +160,7 @@ def build_hierarchy(
     team: Team | None = None,
     *,
     screening: float = 0.0,
+    n_unknowns: int | None = None,
 ) -> Hierarchy:
     """Levels of a region, finest first.
 
@@ -174,6 +175,8 @@ def build_hierarchy(
         Who does it; the hierarchy is the same for any number of threads.
     screening : float
         What is added to the finest diagonal; a coarse cell's diagonal holds it once per unknown pixel in the cell.
+    n_unknowns : int, optional
+        How many pixels are unknown, if they have been counted.
     """
     arena, team = arena or Arena(), team or Team(1, region.size)
     region = np.ascontiguousarray(region, dtype=np.bool_)
@@ -188,7 +191,7 @@ def build_hierarchy(
     share = words.view(np.uint8)
     conductances = edge_e, edge_s, *arena.zeros_each(*[coarse_size] * 4)  # leaks are of no use later
     unknowns = np.zeros(len(table) - 1, np.int64)
-    unknowns[0] = np.count_nonzero(region)
+    unknowns[0] = np.count_nonzero(region) if n_unknowns is None else n_unknowns
     parts = team.pieces(runs[: table[1, FIRST_RUN]], 1, int(unknowns[0]))
     team.run(setup.weigh_region, [(weight, diagonal, share, region, part, table) for part in parts])
 

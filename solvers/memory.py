@@ -8,8 +8,10 @@ import itertools
 import math
 import sys
 import threading
+from bisect import bisect_left
 from collections.abc import Iterator
 from contextlib import contextmanager
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +26,8 @@ class Arena:
 
     def __init__(self) -> None:
         self._lent: list[Float32] = []
-        self._idle: list[Float32] = []
+        self._idle: list[Float32] = []  # by size,
+        self._sizes: list[int] = []  # and what these are
 
     def zeros(self, size: int) -> Float32:
         """`size` float32 zeros that begin on a cache line; memory that is new is not touched."""
@@ -62,8 +65,11 @@ class Arena:
 
     def _idle_block(self, size: int) -> Float32 | None:
         """The smallest one that is large enough."""
-        fitting = [(block.size, at) for at, block in enumerate(self._idle) if block.size >= size]
-        return self._idle.pop(min(fitting)[1]) if fitting else None
+        at = bisect_left(self._sizes, size)
+        if at == len(self._sizes):
+            return None
+        del self._sizes[at]
+        return self._idle.pop(at)
 
     def _lend(self, block: Float32, size: int) -> Float32:
         self._lent.append(block)
@@ -74,20 +80,20 @@ class Arena:
         # A block is a view, and so is every array made of it; all of them refer to the owner of the memory, and nobody
         # else does.  The block, and the call that counts, make two.
         unused = [sys.getrefcount(block.base) <= 2 for block in self._lent]
-        self._idle += [block for block, free in zip(self._lent, unused, strict=True) if free]
+        self._take_back([block for block, free in zip(self._lent, unused, strict=True) if free])
         self._lent = [block for block, free in zip(self._lent, unused, strict=True) if not free]
-        self._forget_what_is_large()
 
     def rewind(self) -> None:
         """Everything handed out may be handed out again."""
-        self._idle += self._lent
+        self._take_back(self._lent)
         self._lent = []
-        self._forget_what_is_large()
 
-    def _forget_what_is_large(self) -> None:
-        """Back to the system with it."""
-        if sum(block.size for block in self._idle) > KEPT:
-            self._idle.clear()
+    def _take_back(self, blocks: list[Float32]) -> None:
+        """Blocks that may be handed out again; if there is very much of them, all goes back to the system."""
+        self._idle = sorted([*self._idle, *blocks], key=attrgetter("size"))
+        self._sizes = [block.size for block in self._idle]
+        if sum(self._sizes) > KEPT:
+            self._idle, self._sizes = [], []
 
 
 class _PerThread(threading.local):

@@ -1,5 +1,6 @@
 """The equations to solve: what every solver takes, validated once."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -134,7 +135,13 @@ class PoissonProblem:
 
     @classmethod
     def on_canvas(
-        cls, region: ArrayLike, canvas: Canvas, *, level: float = 1.0, screening: float = 0.0
+        cls,
+        region: ArrayLike,
+        canvas: Canvas,
+        *,
+        level: float = 1.0,
+        screening: float = 0.0,
+        unknowns: int | None = None,
     ) -> "PoissonProblem":
         """A problem whose numbers are never held all at once: the canvas hands them out in bands of rows.
 
@@ -147,6 +154,8 @@ class PoissonProblem:
             has as its `solution` what the canvas painted.
         level, screening : float
             As above.
+        unknowns : int, optional
+            How many pixels of the region are True, if that is known: it is not counted again.
         """
         problem = cls.__new__(cls)
         region = _region(region)
@@ -158,6 +167,8 @@ class PoissonProblem:
         object.__setattr__(problem, "level", _level(level))
         object.__setattr__(problem, "screening", _screening(screening))
         object.__setattr__(problem, "canvas", canvas)
+        if unknowns is not None:
+            object.__setattr__(problem, "unknowns", unknowns)
         return problem
 
     @property
@@ -205,7 +216,7 @@ def _region(region: ArrayLike) -> NDArray[np.bool_]:
 
 
 def _level(level: float) -> float:
-    if not (np.isfinite(level) and level > 0):
+    if not 0 < level < math.inf:
         raise ValueError(f"level is {level}, but must be a positive number")
     return float(level)
 

@@ -64,8 +64,10 @@ def compose(
         return Window(scene.destination, scene.placement, source, field, space, robust=robust, drawn=drawn)
 
     def solved(canvas: Canvas, screen: float) -> SolveResult:
-        region = scene.placement.region
-        problem = PoissonProblem.on_canvas(region, canvas, level=space.level, screening=screen)
+        where = scene.placement
+        problem = PoissonProblem.on_canvas(
+            where.region, canvas, level=space.level, screening=screen, unknowns=where.unknowns
+        )
         return solve(problem, **options)
 
     window = window_on(field, screen)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from poisson_cli.errors import InputError
-from solvers.kernels.setup import find_rim
+from solvers.kernels.setup import find_extent, find_rim
 
 MaskOn = Literal["source", "destination"]
 Pixels = tuple[NDArray[np.intp], NDArray[np.intp]]
@@ -29,6 +29,8 @@ class Placement:
         the destination reaches.  Where the ring is missing, Omega touches the edge of the image.
     region : (h, w) bool
         Omega in the window, True = unknown.
+    unknowns : int
+        How many pixels that is.
     rectangle : (row, column, height, width)
         Omega's bounding box on the destination.
     offset : (row, column)
@@ -39,6 +41,7 @@ class Placement:
     top: int
     left: int
     region: NDArray[np.bool_]
+    unknowns: int
     rectangle: tuple[int, int, int, int]
     offset: tuple[int, int]
     source_shape: tuple[int, int]
@@ -68,9 +71,8 @@ class Placement:
         height, width = self.region.shape
         words = np.zeros(width // 8 + 1, np.int64)
         room = 4 * (height + width)  # enough for what a hand draws; if it is not, the count is known then
-        unknowns = int(np.count_nonzero(self.region))
-        if unknowns < SPARSE * height * width:
-            room = min(4 * unknowns, height * width)
+        if self.unknowns < SPARSE * height * width:
+            room = min(4 * self.unknowns, height * width)
         while True:
             rows, cols = np.empty(room + 1, np.int64), np.empty(room + 1, np.int64)
             count = int(find_rim(rows, cols, self.region, words, words.view(np.uint8)))
@@ -139,29 +141,42 @@ def place(
         max(0, low[0] - shift[0]) : max(0, high[0] - shift[0]),
         max(0, low[1] - shift[1]) : max(0, high[1] - shift[1]),
     ]
-    selected = covered if covered.dtype == np.bool_ else covered != 0
-    rows = np.flatnonzero(selected.any(1))
-    if rows.size == 0:
+    selected = np.ascontiguousarray(covered if covered.dtype == np.bool_ else covered != 0)
+    columns = np.zeros(selected.shape[1], np.uint8)
+    first_row, end_row, unknowns = (int(n) for n in find_extent(columns, selected))
+    if unknowns == 0:
         if not np.any(mask):
             raise InputError("the selection is empty: no pixel of the mask is selected")
         raise InputError(
             f"the selection lies wholly outside: with its corner at {col},{row} the source ({_size(source_shape)}) "
             f"has no selected pixel on the destination ({_size(destination_shape)}); choose another position"
         )
-    first_row, end_row = int(rows[0]), int(rows[-1]) + 1
-    cols = np.flatnonzero(selected[first_row:end_row].any(0))
+    cols = np.flatnonzero(columns)
     first_col, end_col = int(cols[0]), int(cols[-1]) + 1
     rectangle = (low[0] + first_row, low[1] + first_col, end_row - first_row, end_col - first_col)
 
     top, left = max(0, rectangle[0] - 1), max(0, rectangle[1] - 1)
     bottom = min(destination_shape[0], rectangle[0] + rectangle[2] + 1)
     right = min(destination_shape[1], rectangle[1] + rectangle[3] + 1)
-    region = np.zeros((bottom - top, right - left), np.bool_)
-    at = rectangle[0] - top, rectangle[1] - left
-    region[at[0] : at[0] + rectangle[2], at[1] : at[1] + rectangle[3]] = selected[
-        first_row:end_row, first_col:end_col
+    region = _window(selected, (top - low[0], bottom - low[0]), (left - low[1], right - low[1]))
+    size = source_shape[0], source_shape[1]
+    return Placement(top, left, region, unknowns, rectangle, (row, col), size)
+
+
+def _window(mask: NDArray[np.bool_], rows: tuple[int, int], cols: tuple[int, int]) -> NDArray[np.bool_]:
+    """A copy of some rows and columns, from the first up to the second; False where they lie beyond the mask."""
+    inside = [
+        slice(max(first, 0), min(end, size))
+        for (first, end), size in zip((rows, cols), mask.shape, strict=True)
     ]
-    return Placement(top, left, region, rectangle, (row, col), (source_shape[0], source_shape[1]))
+    part = mask[inside[0], inside[1]]
+    shape = rows[1] - rows[0], cols[1] - cols[0]
+    if part.shape == shape:
+        return part.copy()
+    whole = np.zeros(shape, np.bool_)
+    row, col = inside[0].start - rows[0], inside[1].start - cols[0]
+    whole[row : row + part.shape[0], col : col + part.shape[1]] = part
+    return whole
 
 
 def _size(shape: tuple[int, ...]) -> str:

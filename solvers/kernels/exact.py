@@ -38,7 +38,9 @@ def sum_up(line, to, f, own, row, channels, across, pair, down, n):
         vertical = (np.float64(f[north + i]) - middle) + (np.float64(f[south + i]) - middle)
         horizontal = (np.float64(f[west + i]) - middle) + (np.float64(f[east + i]) - middle)
         along = np.float64(across[pair + i]) - np.float64(across[pair - channels + i])
-        line[to + i] = ((vertical + horizontal) + along - np.float64(down[north + i])) + np.float64(down[own + i])
+        line[to + i] = ((vertical + horizontal) + along - np.float64(down[north + i])) + np.float64(
+            down[own + i]
+        )
 
 
 @loops
@@ -158,8 +160,12 @@ def put_three(b, at, size, line, weight, n):
         )  # fmt: skip
         b[at + i], b[at + green + i], b[at + blue + i] = red_0, green_0, blue_0
         b[odd + i], b[odd + green + i], b[odd + blue + i] = red_1, green_1, blue_1
-        inexact += (np.float32(red_0) != red_0) | (np.float32(green_0) != green_0) | (np.float32(blue_0) != blue_0)
-        inexact += (np.float32(red_1) != red_1) | (np.float32(green_1) != green_1) | (np.float32(blue_1) != blue_1)
+        inexact += (
+            (np.float32(red_0) != red_0) | (np.float32(green_0) != green_0) | (np.float32(blue_0) != blue_0)
+        )
+        inexact += (
+            (np.float32(red_1) != red_1) | (np.float32(green_1) != green_1) | (np.float32(blue_1) != blue_1)
+        )
     return inexact
 
 

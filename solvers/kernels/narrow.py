@@ -417,9 +417,13 @@ def largest_channel(largest, channels):
 
 @jit
 def reach_of(near, order, rank, start, n):
-    """How far apart neighbours in a part are, in reading order; the part's n unknowns begin at `start` in `order`."""
+    """How far apart neighbours in a part are, in reading order, or WINDOW if no less; the part's n unknowns begin at
+    `start` in `order`.
+    """
     reach = np.int64(0)
     for at in range(start, start + n):
+        if reach >= WINDOW:
+            break
         i = order[u(at)]
         north, west = near[u(i), 0], near[u(i), 1]
         if west >= 0:
@@ -704,7 +708,9 @@ def begin_stage(r, residual, largest, total, b, near, members, red, n, lanes, ch
 
 # What is known of a part that is being relaxed: whether there is one, how many of its unknowns are red, the sweeps so
 # far, the stage, omega, max|r| before the first stage, before this one, and by now, max z, and a bound of A^-1 1.
-BEGUN, REDS, SWEPT, STAGE, OMEGA, WHOLE, START, NOW, LARGEST_Z, SOFTNESS, KEPT = range(11)  # KEPT: how many there are
+BEGUN, REDS, SWEPT, STAGE, OMEGA, WHOLE, START, NOW, LARGEST_Z, SOFTNESS, KEPT = range(
+    11
+)  # KEPT: how many there are
 
 
 @inlined
@@ -746,7 +752,9 @@ def relax_part(
         aim = (max(GAIN, BLIND * z) if known or state[STAGE] == 0 else FIRST_GAIN) * start
         is_last = known and enough >= aim
         first = state[SWEPT] == 0
-        count = FIRST_SWEEPS if first else sweeps_to(LEFT * enough if is_last else aim, state[NOW], contraction)
+        count = (
+            FIRST_SWEEPS if first else sweeps_to(LEFT * enough if is_last else aim, state[NOW], contraction)
+        )
         if not first and state[SWEPT] + max(count, sweeps_to(enough, state[NOW], contraction)) > SWEEPS:
             state[BEGUN], state[SWEPT] = 0, -1
             return budget, np.inf

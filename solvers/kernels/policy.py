@@ -26,6 +26,7 @@ ENTRY_POINTS = {
     "add_solution": [_ADD_SOLUTION.format(v="f4")],
     "find_runs": ["i4[:,:], i8[:], u1[:], b1[:,:], i8 -> i8"],
     "weigh_region": ["f4[:], f4[:], u1[:], b1[:,:], i4[:,:], i8[:,:]"],
+    "find_extent": ["u1[:], b1[:,:] -> i8, i8, i8"],
     "find_rim": ["i8[:], i8[:], b1[:,:], i8[:], u1[:] -> i8"],
     "assemble_rim": ["f4[:], f4[:,:], i8[:], i8[:], f4[:], i8[:,:]"],
     "lay_out": ["i4[:,:], i8[:,:], i8[:,:], i4[:,:,:], i4[:,:], i8, i8, i8 -> i8"],

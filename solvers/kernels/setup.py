@@ -23,6 +23,38 @@ LEAK_CAP = np.float32(4.0)  # conductance of a known value a quarter of a cell a
 u = np.uint64  # what arrays are indexed with, see solvers.kernels
 
 
+# --- a first look ------------------------------------------------------------------------------------------------
+
+
+@loops
+def mark_columns(columns, region, at, n):
+    """columns |= n pixels from region[at] on; returns how many of these are unknown."""
+    at = u(at)
+    count = np.int32(0)
+    for i in range(u(n)):
+        pixel = np.uint8(region[at + i])
+        columns[i] |= pixel
+        count = np.int32(count + np.int32(pixel))  # in 32 bits, of which a vector holds more
+    return count
+
+
+@jit
+def find_extent(columns, region):
+    """First row with an unknown pixel, the one behind the last, and how many unknown pixels there are.
+
+    columns: (width,) uint8, zeros; those with an unknown pixel become 1.  region: (height, width) bool.
+    """
+    height, width = region.shape
+    flat = region.reshape(-1)
+    first, end, unknowns = np.int64(height), np.int64(0), np.int64(0)
+    for row in range(height):
+        count = np.int64(mark_columns(columns, flat, row * width, width))
+        if count > 0:
+            first, end = min(first, row), row + 1
+            unknowns += count
+    return first, end, unknowns
+
+
 # --- runs --------------------------------------------------------------------------------------------------------
 
 
