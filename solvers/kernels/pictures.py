@@ -217,6 +217,19 @@ def subtract_pictures(differences, one, other, rows, cols, corners):
             differences[u(i), u(c)] = np.int32(a[u(at_a + c)]) - np.int32(b[u(at_b + c)])
 
 
+@inlined
+def round_pixel(target, source, correction, to, of, at, channels, largest):
+    """One pixel of `round_at`: where it begins in target, source and correction.  Returns what that returns."""
+    clipped, furthest = np.int64(0), np.int32(0)
+    for c in range(u(channels)):
+        value = np.float32(np.float64(source[of + c]) + correction[at + c])
+        beyond = beyond_range(value, largest)
+        clipped += beyond > 0.5
+        furthest = largest_of(furthest, float32_bits(beyond))
+        target[to + c] = rounded(value, largest)
+    return clipped, furthest
+
+
 @jit
 def round_at(picture, base, correction, place, width, corners, largest):
     """picture = base + correction at single pixels, rounded half to even and clipped to 0 ... largest, a float32.
@@ -224,8 +237,8 @@ def round_at(picture, base, correction, place, width, corners, largest):
     picture, base: (H, W, C) integers.  correction: (n, C or more) float64.  place: (n,) int64, row * width + column,
     ascending.  corners: what to add to these in picture and in base, row and column.  Returns what `round_into` does.
     """
-    channels = picture.shape[2]
-    target, source = picture.reshape(-1), base.reshape(-1)
+    channels, lanes = picture.shape[2], correction.shape[1]
+    target, source, values = picture.reshape(-1), base.reshape(-1), correction.reshape(-1)
     line_t, line_s = picture.shape[1] * channels, base.shape[1] * channels
     first_t, first_s = (
         corners[0] * line_t + corners[1] * channels,
@@ -246,10 +259,11 @@ def round_at(picture, base, correction, place, width, corners, largest):
         prefetch(target, first_t + ahead + row * longer_t)
         prefetch(source, first_s + ahead + row * longer_s)
         to, of = first_t + at * channels + row * longer_t, first_s + at * channels + row * longer_s
-        for c in range(channels):
-            value = np.float32(np.float64(source[u(of + c)]) + correction[u(i), u(c)])
-            beyond = beyond_range(value, largest)
-            clipped += beyond > 0.5
-            furthest = largest_of(furthest, float32_bits(beyond))
-            target[u(to + c)] = rounded(value, largest)
+        where = u(to), u(of), u(i * lanes)
+        if channels == 3:  # of known length the loop over channels is gone
+            more, bits = round_pixel(target, source, values, *where, 3, largest)
+        else:
+            more, bits = round_pixel(target, source, values, *where, channels, largest)
+        clipped += more
+        furthest = largest_of(furthest, bits)
     return np.float64(clipped), np.float64(float32_of(furthest))
