@@ -38,6 +38,7 @@ PRECISION = 0.95
 MOST_LANES = 1 << 31  # of all unknowns: they are numbered in 32 bits
 
 ENOUGH = 32  # pairs of rows: no more, or not many more, are looked at to tell whether a region is sparse
+WORDS = 256  # of the region that are looked at together
 BAND = 1 << 20  # pixels of the region to look at in one go
 
 
@@ -237,10 +238,10 @@ def places(region: NDArray[np.bool_], unknowns: int, arena: Arena) -> NDArray[np
     """Row * width + column of each unknown, in reading order; so many there are."""
     pixels = region.reshape(-1)
     words = np.require(pixels[: len(pixels) & ~7].view(np.int64), requirements="A")
-    place = arena.longs(unknowns + 1)
+    place, marked = arena.longs(unknowns + 1), np.empty(WORDS, np.int64)
     count = 0
     for call in _calls(len(words) + (len(pixels) & 7 > 0)):
-        count = kernels.locate(place, count, words, pixels, *call)
+        count = kernels.locate(place, count, words, pixels, marked, *call)
     return place[:count]
 
 

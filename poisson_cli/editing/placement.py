@@ -69,13 +69,13 @@ class Placement:
     def boundary(self) -> Pixels:
         """Rows and columns of the window's pixels outside Omega with a 4-neighbour in it, row by row."""
         height, width = self.region.shape
-        words = np.zeros(width // 8 + 1, np.int64)
+        words, marked = np.zeros((2, width // 8 + 1), np.int64)
         room = 4 * (height + width)  # enough for what a hand draws; if it is not, the count is known then
         if self.unknowns < SPARSE * height * width:
             room = min(4 * self.unknowns, height * width)
         while True:
             rows, cols = np.empty(room + 1, np.int64), np.empty(room + 1, np.int64)
-            count = int(find_rim(rows, cols, self.region, words, words.view(np.uint8)))
+            count = int(find_rim(rows, cols, self.region, words, words.view(np.uint8), marked))
             if count <= room:
                 return rows[:count], cols[:count]
             room = count

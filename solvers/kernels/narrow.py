@@ -97,17 +97,26 @@ def survey(region, first, end, step):
 
 
 @jit
-def locate(place, count, words, pixels, first, end):
+def locate(place, count, words, pixels, marked, first, end):
     """The places of unknowns among words first ... end of the region, behind `count` that are known already.
 
-    words: the region's pixels in eights; the last word may lack some.  pixels: (height * width,) bool.  place: one
-    longer than there are unknowns.  Returns how many are known now.
+    words: the region's pixels in eights; the last word may lack some, and is none then.  pixels: (height * width,)
+    bool.  marked: (any,) int64, scratch.  place: one longer than there are unknowns.  Returns how many are known now.
     """
-    for word in range(first, end):
-        if word == words.shape[0] or words[u(word)] != 0:
-            for i in range(8 * word, min(8 * word + 8, pixels.shape[0])):
-                place[u(count)] = i  # if it is none, the next one comes here
+    whole = min(end, words.shape[0])
+    for low in range(first, whole, marked.shape[0]):
+        hits = np.int64(0)
+        for word in range(low, min(low + marked.shape[0], whole)):  # without a branch, which could not be foreseen
+            marked[u(hits)] = word  # if it is none, the next one comes here
+            hits += words[u(word)] != 0
+        for k in range(hits):
+            for i in range(8 * marked[u(k)], 8 * marked[u(k)] + 8):
+                place[u(count)] = i
                 count += pixels[u(i)]
+    if end > whole:
+        for i in range(8 * whole, pixels.shape[0]):
+            place[u(count)] = i
+            count += pixels[u(i)]
     return count
 
 

@@ -669,12 +669,22 @@ def mark_rim(marks, region, at, above, below, width):
         marks[i] = np.uint8(1) if near and not region[at + i] else np.uint8(0)
 
 
+@inlined
+def list_marked(marked, words, n):
+    """Which of n words are not zero; returns how many.  No branch: it could not be foreseen."""
+    count = np.int64(0)
+    for word in range(n):
+        marked[u(count)] = word  # if it is none, the next one comes here
+        count += words[u(word)] != 0
+    return count
+
+
 @jit
-def find_rim(rows, cols, region, words, marks):
+def find_rim(rows, cols, region, words, marks, marked):
     """Rows and columns of the known pixels with an unknown neighbour, row by row; returns how many there are.
 
     rows, cols: (n + 1,) int64, room for n and for what is tried in between.  words: int64 zeros, enough for a row of
-    bytes and one more.  marks: the same memory as bytes.
+    bytes and one more.  marks: the same memory as bytes.  marked: as many int64, scratch.
     """
     height, width = region.shape
     flat = region.reshape(-1)
@@ -688,11 +698,10 @@ def find_rim(rows, cols, region, words, marks):
             near = flat[above + col] | flat[below + col]
             near |= (col > 0 and flat[at + col - 1]) | (col < width - 1 and flat[at + col + 1])
             marks[col] = np.uint8(1) if near and not flat[at + col] else np.uint8(0)
-        for word in range((width + 7) // 8):
-            if words[word] == 0:
-                continue
-            for col in range(8 * word, min(8 * word + 8, width)):
+        for k in range(list_marked(marked, words, (width + 7) // 8)):
+            first = 8 * marked[u(k)]
+            for col in range(first, first + 8):  # none is marked beyond the row
                 here = u(min(count, room))
-                rows[here], cols[here] = row, col  # if it is none, the next one comes here
+                rows[here], cols[here] = row, col
                 count += np.int64(marks[u(col)])
     return count
