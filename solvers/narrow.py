@@ -78,9 +78,9 @@ class Parts(NamedTuple):
         n = len(place)
         near = arena.integers(n, 4)
         part, colour, order, rank, pairs, starts = (arena.integers(size) for size in (n, n, n, n, n, n + 1))
-        above = count = 0
+        last, count = np.full(shape[1], -1, np.int32), 0
         for call in _calls(n):
-            above = kernels.link(near, part, colour, place, *shape, above, *call)
+            kernels.link(near, part, colour, last, place, *shape, *call)
         for call in _calls(n):
             count = kernels.number_parts(part, starts, pairs, near, count, *call)
         starts = starts[: count + 1]

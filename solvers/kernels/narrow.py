@@ -129,45 +129,55 @@ def root_of(part, i):
     return i
 
 
+@inlined
+def first_from(place, i, least):
+    """The first unknown up to i whose place is `least` or more."""
+    while i > 0 and place[u(i - 1)] >= least:
+        i -= 1
+    return np.int64(i)
+
+
 @jit
-def link(near, part, colour, place, height, width, above, first, end):
+def link(near, part, colour, last, place, height, width, first, end):
     """The neighbours of unknowns first ... end, which are numbered in reading order.
 
     near: (n, 4) int32, the numbers of the north, west, east and south neighbour, or KNOWN, or BEYOND.  part: (n,)
     int32, a lower number in the same part, or an unknown's own if there is none: what `number_parts` starts from.
-    colour: (n,) int32, RED or BLACK, as on a chessboard.  place: (n,) int64, row * width + column of the unknowns,
-    ascending.
+    colour: (n,) int32, RED or BLACK, as on a chessboard.  last: (width,) int32, -1 at first, the last unknown of each
+    column so far.  place: (n,) int64, row * width + column of the unknowns, ascending.
 
-    above: the first unknown not before the pixel north of this one, or any before that; returns that of the next.
+    Where a run of unknowns begins or ends cannot be foreseen: there is a choice of values here, but next to no branch.
     """
     row = place[first] // width
     next_row = (row + 1) * width
+    of_row = first_from(place, first, row * width)  # the first unknown of this row,
+    of_row_above = first_from(place, of_row, (row - 1) * width)  # and of the row above
+    root = root_of(part, np.int64(first - 1)) if first > 0 else np.int64(0)  # of the unknown before
     for i in range(first, end):
         at = place[u(i)]
         while at >= next_row:
             row += 1
             next_row += width
-        north = np.int64(BEYOND if row == 0 else KNOWN)
-        west = np.int64(BEYOND if at == next_row - width else KNOWN)
-        near[u(i), 2] = BEYOND if at == next_row - 1 else KNOWN
-        colour[u(i)] = (row + at - (next_row - width)) & 1
-        near[u(i), 3] = BEYOND if row == height - 1 else KNOWN
-        root = np.int64(i)
-        part[u(i)] = i
-        if west == KNOWN and i > 0 and place[u(i - 1)] == at - 1:
-            west = np.int64(i - 1)
-            near[u(west), 2] = i
-            root = root_of(part, west)
-            part[u(i)] = root
-        while place[u(above)] < at - width:
-            above += 1
-        if place[u(above)] == at - width:
-            north = above
-            near[u(north), 3] = i
-            other = root_of(part, north)
+            of_row_above, of_row = of_row, np.int64(i)
+        col = at - (next_row - width)
+        above, before = np.int64(last[u(col)]), max(i - 1, 0)
+        has_north = above >= of_row_above
+        has_west = (place[u(before)] == at - 1) & (col > 0)
+        last[u(col)] = i
+        colour[u(i)] = (row + col) & 1
+        east, south = BEYOND if col == width - 1 else KNOWN, BEYOND if row == height - 1 else KNOWN
+        near[u(i), 0] = above if has_north else BEYOND if row == 0 else KNOWN
+        near[u(i), 1] = before if has_west else BEYOND if col == 0 else KNOWN
+        near[u(i), 2], near[u(i), 3] = east, south
+        near[u(before if has_west else i), 2] = i if has_west else east
+        near[u(above if has_north else i), 3] = i if has_north else south
+        root = root if has_west else np.int64(i)
+        part[u(i)] = root
+        if has_north and part[u(above)] != root:
+            other = root_of(part, above)
             part[u(max(root, other))] = min(root, other)
-        near[u(i), 0], near[u(i), 1] = north, west
-    return above
+            root = min(root, other)
+            part[u(i)] = root
 
 
 @jit
