@@ -435,15 +435,21 @@ def largest_channel(largest, channels):
 
 
 @jit
-def reach_of(near, order, rank, start, n):
+def reach_of(x, b, near, order, rank, start, n, lanes):
     """How far apart neighbours in a part are, in reading order, or WINDOW if no less; the part's n unknowns begin at
     `start` in `order`.
     """
     reach = np.int64(0)
+    neighbours_, last = near.reshape(-1), order.shape[0] - 1
     for at in range(start, start + n):
         if reach >= WINDOW:
             break
         i = order[u(at)]
+        # What the next parts need lies wherever their rows are.
+        ahead = np.int64(order[u(min(at + AHEAD, last))])
+        prefetch(neighbours_, 4 * ahead)
+        prefetch(b, lanes * ahead)
+        prefetch(x, lanes * (ahead + 2))
         north, west = near[u(i), 0], near[u(i), 1]
         if west >= 0:
             reach = max(reach, np.int64(1))
@@ -873,7 +879,7 @@ def solve_parts(
             budget -= 1
             continue
         if not state[BEGUN]:
-            reach_ = reach_of(near, order, rank, start, n)
+            reach_ = reach_of(flat, rhs, near, order, rank, start, n, lanes)
             if reach_ < WINDOW:
                 if lanes == FOUR:  # of known length the loops over lanes are gone
                     bounds[u(part)] = eliminate_part(
