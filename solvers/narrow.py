@@ -177,7 +177,7 @@ def _solve(
     scratch = (
         np.zeros(kernels.KEPT),
         *(arena.floats(lanes * slots) for _ in range(2)),
-        arena.integers(4 * slots),
+        arena.longs(2 * slots),
         arena.floats(slots),
         arena.integers(2, largest // kernels.CHUNK + 1),
         arena.longs(2 * kernels.MOST_SWEEPS + 2),

@@ -218,7 +218,7 @@ def test_a_wave_makes_the_same_as_sweep_after_sweep(lanes, looks, monkeypatch):
     red = kernels.put_into_slots(slot, members, parts.colour, np.arange(n), 0, n)
     assert np.array_equal(np.sort(members), np.arange(n))
     assert (parts.colour[members[:red]] == kernels.RED).all()
-    links, inverse = np.zeros(4 * (n + 2), np.int32), np.zeros(n + 2, np.float32)
+    links, inverse = np.zeros(2 * (n + 2), np.int64), np.zeros(n + 2, np.float32)
     reach = np.zeros((2, n), np.int32)
     kernels.join_slots(links, inverse, reach, near, slot, members, red, n, lanes)
     x, r = np.zeros((2, n + 2, lanes), np.float32)

@@ -551,7 +551,8 @@ def put_into_slots(slot, members, colour, order, start, n):
 def join_slots(links, inverse, reach, near, slot, members, red, n, lanes):
     """What connects the slots of a part.
 
-    links: four per slot, where among all lanes a neighbour's begin.  inverse: 1 / d.  reach: (2, chunks) int32, of each
+    links: (2 slots,) int64, where among all lanes those of the neighbours begin: north and west, east and south, two
+    numbers of 32 bits in one, as a sweep waits for what it loads.  inverse: 1 / d.  reach: (2, chunks) int32, of each
     chunk of a colour the last slot of the other one that it reads; -1 if it reads none.
     """
     for is_black in range(2):
@@ -559,15 +560,25 @@ def join_slots(links, inverse, reach, near, slot, members, red, n, lanes):
         last = np.int64(-1)
         for k in range(first, end):
             i, own = np.int64(members[u(k)]), k + is_black
-            for side in range(4):
-                j = np.int64(near[u(i), side])
-                at = np.int64(slot[u(max(j, np.int64(0)))])
-                last = max(last, at) if j >= 0 else last
-                links[u(4 * own + side)] = lanes * (at if j >= 0 else red)
+            for pair in range(2):
+                both = np.int64(0)
+                for side in range(2):
+                    j = np.int64(near[u(i), 2 * pair + side])
+                    at = np.int64(slot[u(max(j, np.int64(0)))])
+                    last = max(last, at) if j >= 0 else last
+                    both |= np.int64(lanes * (at if j >= 0 else red)) << (32 * side)
+                links[u(2 * own + pair)] = both
             inverse[u(own)] = 1.0 / neighbours(near, i)
             if (k + 1 - first) % CHUNK == 0 or k + 1 == end:
                 reach[is_black, u((k - first) // CHUNK)] = last
                 last = np.int64(-1)
+
+
+@inlined
+def linked(links, k):
+    """Where the lanes of a slot's neighbours begin."""
+    one, other = links[u(2 * k)], links[u(2 * k + 1)]
+    return one & 0xFFFFFFFF, one >> 32, other & 0xFFFFFFFF, other >> 32
 
 
 @loops
@@ -582,9 +593,7 @@ def relax_four(x, r, at, one, two, three, four, inverse, omega):
 def relax_slots(x, r, links, inverse, first, end, omega, lanes):
     """Over-relaxation of slots first ... end."""
     for k in range(first, end):
-        of = u(4 * k)
-        one, two = np.int64(links[of]), np.int64(links[of + u(1)])
-        three, four = np.int64(links[of + u(2)]), np.int64(links[of + u(3)])
+        one, two, three, four = linked(links, k)
         for p in range(0, lanes, FOUR):
             at = u(lanes * k + p)
             relax_four(x, r, at, u(one + p), u(two + p), u(three + p), u(four + p), inverse[u(k)], omega)
@@ -615,9 +624,7 @@ def look_at_slots(seen, found, x, r, links, inverse, first, end, lanes):
     for begin in range(first, end, TOGETHER):
         slots = min(TOGETHER, end - begin)
         for k in range(begin, begin + slots):
-            of = u(4 * k)
-            one, two = np.int64(links[of]), np.int64(links[of + u(1)])
-            three, four = np.int64(links[of + u(2)]), np.int64(links[of + u(3)])
+            one, two, three, four = linked(links, k)
             for p in range(0, lanes, FOUR):
                 to, at = u(lanes * (k - begin) + p), u(lanes * k + p)
                 look_at_four(

@@ -45,7 +45,7 @@ ENTRY_POINTS = {
 # What only some callers need: float64 throughout, over-relaxation, screening, regions with narrow parts.
 FURTHER = {
     "solve_parts": [
-        "f8[:,:], f8[:], i4[:], f8[:], f4[:], f4[:], i4[:], f4[:], i4[:,:], i8[:], f4[:], i4[:], i4[:], i4[:], f8[:],"
+        "f8[:,:], f8[:], i4[:], f8[:], f4[:], f4[:], i8[:], f4[:], i4[:,:], i8[:], f4[:], i4[:], i4[:], i4[:], f8[:],"
         " i8[:], f8[:], f8[:], f8[:,:], i4[:,:], i4[:], i4[:], i4[:], i4[:], i8, i8, i8, f8, i8 -> i8"
     ],
     "assemble": [_ASSEMBLE.format(v="f8")],
