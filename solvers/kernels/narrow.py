@@ -548,6 +548,21 @@ def put_into_slots(slot, members, colour, order, start, n):
 
 
 @inlined
+def slot_beside(slot, near, i, side):
+    """The slot of a neighbour of unknown i; -1 if that is none."""
+    j = np.int64(near[u(i), side])
+    at = np.int64(slot[u(max(j, np.int64(0)))])
+    return at if j >= 0 else np.int64(-1)
+
+
+@inlined
+def linking(one, other, red, lanes):
+    """Two of the slots of neighbours, as a link; that which is always zero in place of none."""
+    first, second = np.int64(one if one >= 0 else red), np.int64(other if other >= 0 else red)
+    return lanes * first | lanes * second << 32
+
+
+@inlined
 def join_slots(links, inverse, reach, near, slot, members, red, n, lanes):
     """What connects the slots of a part.
 
@@ -560,14 +575,11 @@ def join_slots(links, inverse, reach, near, slot, members, red, n, lanes):
         last = np.int64(-1)
         for k in range(first, end):
             i, own = np.int64(members[u(k)]), k + is_black
-            for pair in range(2):
-                both = np.int64(0)
-                for side in range(2):
-                    j = np.int64(near[u(i), 2 * pair + side])
-                    at = np.int64(slot[u(max(j, np.int64(0)))])
-                    last = max(last, at) if j >= 0 else last
-                    both |= np.int64(lanes * (at if j >= 0 else red)) << (32 * side)
-                links[u(2 * own + pair)] = both
+            north, west = slot_beside(slot, near, i, 0), slot_beside(slot, near, i, 1)
+            east, south = slot_beside(slot, near, i, 2), slot_beside(slot, near, i, 3)
+            links[u(2 * own)] = linking(north, west, red, lanes)
+            links[u(2 * own + 1)] = linking(east, south, red, lanes)
+            last = max(last, max(max(north, west), max(east, south)))
             inverse[u(own)] = 1.0 / neighbours(near, i)
             if (k + 1 - first) % CHUNK == 0 or k + 1 == end:
                 reach[is_black, u((k - first) // CHUNK)] = last
@@ -695,13 +707,18 @@ def largest_z(seen, x, n, lanes, channels):
 
 
 @loops
-def round_four(r, to, b, at, largest, lanes):
-    """r = b, rounded to float32, in four lanes; largest: from `lanes` on, the bits of the largest one so far."""
+def round_four(r, to, b, at):
+    """r = b, rounded to float32, in four lanes."""
     for lane in range(u(FOUR)):
-        value = b[at + lane]
-        r[to + lane] = np.float32(value)
-        bits = bits_of(value)
-        largest[u(lanes) + lane] = bits if bits > largest[u(lanes) + lane] else largest[u(lanes) + lane]
+        r[to + lane] = np.float32(b[at + lane])
+
+
+@loops
+def raise_four(largest, lane, b, at):
+    """largest: from `lane` on, the bits of the largest |b| so far, in four lanes."""
+    for k in range(u(FOUR)):
+        bits = bits_of(b[at + k])
+        largest[u(lane) + k] = bits if bits > largest[u(lane) + k] else largest[u(lane) + k]
 
 
 @loops
@@ -732,9 +749,10 @@ def begin_stage(r, residual, largest, total, b, near, members, red, n, lanes, ch
             residuals_of(residual, largest, total, b, near, i, lanes)
         for p in range(0, lanes, FOUR):
             if stage > 0:
-                round_four(r, u(at + p), residual, u(p), largest, p)
+                round_four(r, u(at + p), residual, u(p))
             else:
-                round_four(r, u(at + p), b, u(lanes * i + p), largest, p)
+                round_four(r, u(at + p), b, u(lanes * i + p))
+                raise_four(largest, p, b, u(lanes * i + p))
     return largest_channel(largest, channels)
 
 
