@@ -218,16 +218,11 @@ def subtract_pictures(differences, one, other, rows, cols, corners):
 
 
 @inlined
-def round_pixel(target, source, correction, to, of, at, channels, largest):
-    """One pixel of `round_at`: where it begins in target, source and correction.  Returns what that returns."""
-    clipped, furthest = np.int64(0), np.int32(0)
-    for c in range(u(channels)):
-        value = np.float32(np.float64(source[of + c]) + correction[at + c])
-        beyond = beyond_range(value, largest)
-        clipped += beyond > 0.5
-        furthest = largest_of(furthest, float32_bits(beyond))
-        target[to + c] = rounded(value, largest)
-    return clipped, furthest
+def round_value(target, to, value, largest, clipped, furthest):
+    """One value of `round_at`; returns that clipped and furthest of this one and those before."""
+    beyond = beyond_range(value, largest)
+    target[to] = rounded(value, largest)
+    return clipped + np.int64(beyond > 0.5), largest_of(furthest, float32_bits(beyond))
 
 
 @jit
@@ -259,11 +254,16 @@ def round_at(picture, base, correction, place, width, corners, largest):
         prefetch(target, first_t + ahead + row * longer_t)
         prefetch(source, first_s + ahead + row * longer_s)
         to, of = first_t + at * channels + row * longer_t, first_s + at * channels + row * longer_s
-        where = u(to), u(of), u(i * lanes)
-        if channels == 3:  # of known length the loop over channels is gone
-            more, bits = round_pixel(target, source, values, *where, 3, largest)
+        t, s, k = u(to), u(of), u(i * lanes)
+        if channels == 3:  # written out: LLVM does not unroll the loop
+            one = np.float32(np.float64(source[s]) + values[k])
+            two = np.float32(np.float64(source[s + u(1)]) + values[k + u(1)])
+            three = np.float32(np.float64(source[s + u(2)]) + values[k + u(2)])
+            clipped, furthest = round_value(target, t, one, largest, clipped, furthest)
+            clipped, furthest = round_value(target, t + u(1), two, largest, clipped, furthest)
+            clipped, furthest = round_value(target, t + u(2), three, largest, clipped, furthest)
         else:
-            more, bits = round_pixel(target, source, values, *where, channels, largest)
-        clipped += more
-        furthest = largest_of(furthest, bits)
+            for c in range(u(channels)):
+                value = np.float32(np.float64(source[s + c]) + values[k + c])
+                clipped, furthest = round_value(target, t + c, value, largest, clipped, furthest)
     return np.float64(clipped), np.float64(float32_of(furthest))
