@@ -300,22 +300,25 @@ def sum_four(b, to, known, north, west, east, south):
         )
 
 
-@jit
-def sum_rim(b, ring, known, place, near, values, rows, cols, width):
-    """The same where the first guess and v are zero: b = the sum of the known values beside each unknown.
-
-    ring: (3 * width,) int32, scratch: of the pixels in three rows, which of the rim's each is.  known: ((1 + m) lanes,)
-    float32, scratch.  near: of `link`.  values: (m, channels) float32 of the known pixels in `rows` and `cols`, in
-    reading order: all that have an unknown neighbour.  They are integers, or halves, below 2^18: float32 sums them up
-    exactly.
-    """
-    lanes, channels, pixels = b.shape[1], values.shape[1], rows.shape[0]
-    sums = b.reshape(-1)
-    for k in range(u(lanes * (1 + pixels))):
+@inlined
+def enter_known(known, values, lanes):
+    """known = the values of the rim's pixels in lanes, behind zeros in the place of none."""
+    channels = values.shape[1]
+    flat = values.reshape(-1)
+    for k in range(u(lanes)):
         known[k] = np.float32(0.0)
-    for k in range(pixels):
-        for c in range(channels):
-            known[u(lanes * (1 + k) + c)] = values[u(k), u(c)]
+    for k in range(values.shape[0]):
+        to, at = u(lanes * (1 + k)), u(channels * k)
+        for c in range(u(channels)):
+            known[to + c] = flat[at + c]
+        for c in range(u(channels), u(lanes)):
+            known[to + c] = np.float32(0.0)
+
+
+@inlined
+def sum_known(sums, ring, known, place, near, rows, cols, width, lanes, channels):
+    """`sum_rim`, once the known values are there."""
+    pixels = rows.shape[0]
     row, next_row = np.int64(-1), np.int64(0)
     above = here = below = np.int64(0)  # where the rows begin in the ring
     entered = np.int64(0)
@@ -337,6 +340,24 @@ def sum_rim(b, ring, known, place, near, values, rows, cols, width):
         for p in range(u(0), u(lanes), u(FOUR)):
             sum_four(sums, u(lanes * i) + p, known, north + p, west + p, east + p, south + p)
         sums[u(lanes * i + channels)] = 1.0
+
+
+@jit
+def sum_rim(b, ring, known, place, near, values, rows, cols, width):
+    """The same where the first guess and v are zero: b = the sum of the known values beside each unknown.
+
+    ring: (3 * width,) int32, scratch: of the pixels in three rows, which of the rim's each is.  known: ((1 + m) lanes,)
+    float32, scratch.  near: of `link`.  values: (m, channels) float32 of the known pixels in `rows` and `cols`, in
+    reading order: all that have an unknown neighbour.  They are integers, or halves, below 2^18: float32 sums them up
+    exactly.
+    """
+    lanes, channels = b.shape[1], values.shape[1]
+    sums = b.reshape(-1)
+    enter_known(known, values, lanes)
+    if lanes == FOUR:  # of known length the loop over lanes is gone
+        sum_known(sums, ring, known, place, near, rows, cols, width, FOUR, channels)
+    else:
+        sum_known(sums, ring, known, place, near, rows, cols, width, lanes, channels)
 
 
 @jit
