@@ -20,8 +20,8 @@ ELIMINATED = 8 * 3 * WINDOW * 2.0**-53
 # Over-relaxation.
 CHUNK = 128  # slots, see `sweep_slots`: what some chunks of both colours hold stays in the second-level cache
 TOGETHER = 4  # slots that are compared in one go
-FIRST_OMEGA, FIRST_SWEEPS = 1.5, 8  # before anything is known of a part,
-FIRST_GAIN = 0.03  # and what these make of |r|, about
+FIRST_OMEGA, FIRST_SWEEPS = 1.5, 7  # before anything is known of a part,
+FIRST_GAIN = 0.04  # and what these make of |r|, about
 MOST_SWEEPS = 16  # between two looks,
 LONGEST_RUN = 20_000_000  # or unknowns to sweep
 LEFT = 3.0  # |r| before a sweep of Gauss and Seidel by what it leaves, at least
