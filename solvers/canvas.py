@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from solvers.kernels.narrow import add_at
+from solvers.kernels.scattered import add_at
 
 Values = NDArray[np.float32] | NDArray[np.float64]
 

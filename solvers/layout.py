@@ -47,6 +47,12 @@ HEIGHT, WIDTH, ROWS, COLS, STRIDE, QUARTER, OFFSET, FIRST_RUN, FIRST_SEGMENT = r
 ALIGNMENT = 64  # bytes: a cache line, and the widest vector register
 LANES = ALIGNMENT // 4  # float32 values in it
 
+RED, BLACK = 0, 1  # colours, as on a chessboard
+
+# Where a region is sparse its unknowns are numbered instead, see `solvers.narrow`.  In place of a neighbour's number:
+KNOWN, BEYOND = -1, -2  # the pixel is known, the image ends
+FOUR = 4  # lanes: an unknown's values in all channels are as many of these as it takes
+
 # What a cell takes of an interpolated correction, in sevenths.  Interpolation puts the zero of a known pixel into the
 # middle of a coarse cell, which is further away than it is: beside it the correction comes out too large.
 NOTHING, BESIDE_KNOWN, ALL = np.uint8(0), np.uint8(6), np.uint8(7)

@@ -21,6 +21,8 @@ from numpy.typing import NDArray
 
 from solvers.canvas import Values, with_channels
 from solvers.kernels import narrow as kernels
+from solvers.kernels import scattered
+from solvers.layout import FOUR
 from solvers.memory import Arena
 from solvers.problem import PoissonProblem
 
@@ -50,9 +52,9 @@ class Parts(NamedTuple):
     place : (n,) int64
         Row * width + column of each unknown, in reading order: an unknown's number is its index here.
     near : (n, 4) int32
-        Numbers of the north, west, east and south neighbour, or `kernels.KNOWN`, or `kernels.BEYOND` the image.
+        Numbers of the north, west, east and south neighbour, or `layout.KNOWN`, or `layout.BEYOND` the image.
     colour : (n,) int32
-        `kernels.RED` or `kernels.BLACK`, as on a chessboard.
+        `layout.RED` or `layout.BLACK`, as on a chessboard.
     order, rank : (n,) int32
         Numbers of the unknowns, part by part; where a number stands among them.
     starts : (n_parts + 1,) int32
@@ -80,11 +82,11 @@ class Parts(NamedTuple):
         part, colour, order, rank, pairs, starts = (arena.integers(size) for size in (n, n, n, n, n, n + 1))
         last, count = np.full(shape[1], -1, np.int32), 0
         for call in _calls(n):
-            kernels.link(near, part, colour, last, place, *shape, *call)
+            scattered.link(near, part, colour, last, place, *shape, *call)
         for call in _calls(n):
-            count = kernels.number_parts(part, starts, pairs, near, count, *call)
+            count = scattered.number_parts(part, starts, pairs, near, count, *call)
         starts = starts[: count + 1]
-        kernels.sort_parts(order, rank, arena.integers(count), part, starts)
+        scattered.sort_parts(order, rank, arena.integers(count), part, starts)
         return cls(place, near, colour, order, rank, starts, part, pairs[:count])
 
     @property
@@ -128,7 +130,7 @@ class NarrowSolution(NamedTuple):
     def add_to(self, guess: Values, top: int) -> None:
         """Adds the correction to rows (n, W, C) of the first guess, the first of which is row `top` of the image."""
         low, high = _within(self.place, top, top + len(guess), guess.shape[1])
-        kernels.add_at(guess, self.values, self.place, low, high, top)
+        scattered.add_at(guess, self.values, self.place, low, high, top)
 
     def rest(self) -> NDArray[np.bool_]:
         """The region without its narrow parts."""
@@ -206,7 +208,7 @@ def _right_hand_side(problem: PoissonProblem, parts: Parts, arena: Arena) -> NDA
     rim = canvas.rim()
     if rim is not None:
         scratch = arena.integers(3 * width), arena.floats((1 + len(rim.row)) * b.shape[1])
-        kernels.sum_rim(b, *scratch, parts.place, parts.near, rim.values, rim.row, rim.col, width)
+        scattered.sum_rim(b, *scratch, parts.place, parts.near, rim.values, rim.row, rim.col, width)
         return b
     for band in canvas.equations(0, canvas.shape[0]):
         low, high = _within(parts.place, band.first, band.end, width)
@@ -214,13 +216,13 @@ def _right_hand_side(problem: PoissonProblem, parts: Parts, arena: Arena) -> NDA
             v = [_or_nothing(array, band.values) for array in (band.across, band.down, band.rhs)]
             for call in _calls(high - low):
                 own = low + call[0], low + call[1]
-                kernels.sum_pairs(b, parts.place, band.values, *v, height, band.top, *own)
+                scattered.sum_pairs(b, parts.place, band.values, *v, height, band.top, *own)
     return b
 
 
 def _lanes(channels: int) -> int:
     """Lanes of so many channels, and of A z = 1."""
-    return -(-(channels + 1) // kernels.FOUR) * kernels.FOUR
+    return -(-(channels + 1) // FOUR) * FOUR
 
 
 def _within(place: NDArray[np.int64], first: int, end: int, width: int) -> tuple[int, int]:
@@ -241,7 +243,7 @@ def places(region: NDArray[np.bool_], unknowns: int, arena: Arena) -> NDArray[np
     place, marked = arena.longs(unknowns + 1), np.empty(WORDS, np.int64)
     count = 0
     for call in _calls(len(words) + (len(pixels) & 7 > 0)):
-        count = kernels.locate(place, count, words, pixels, marked, *call)
+        count = scattered.locate(place, count, words, pixels, marked, *call)
     return place[:count]
 
 
@@ -258,6 +260,6 @@ def _worth_looking(region: NDArray[np.bool_]) -> bool:
     step = max(1, height // (2 * ENOUGH))
     rows = max(1, BAND // (2 * step * width)) * 2 * step
     for first in range(0, height, rows):
-        more = kernels.survey(region, first, min(first + rows, height), step)
+        more = scattered.survey(region, first, min(first + rows, height), step)
         unknowns, places = unknowns + more[0], places + more[1]
     return bool(unknowns <= WELL_FILLED * places)  # all rows with unknowns may have been missed

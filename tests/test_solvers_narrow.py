@@ -17,8 +17,9 @@ from poisson_cli import clone, mix
 from poisson_cli.editing import window
 from poisson_cli.editing.tools import cloning
 from poisson_cli.editing.window import Window
-from solvers import DEFAULT_TOLERANCE, Guidance, PoissonProblem, narrow, solve_multigrid, solve_sor
+from solvers import DEFAULT_TOLERANCE, Guidance, PoissonProblem, layout, narrow, solve_multigrid, solve_sor
 from solvers.kernels import narrow as kernels
+from solvers.kernels import scattered
 from solvers.memory import Arena
 from tests import oracles
 from tests.agreement import assert_rounded_right, assert_untouched
@@ -217,7 +218,7 @@ def test_a_wave_makes_the_same_as_sweep_after_sweep(lanes, looks, monkeypatch):
     slot, members = np.zeros(n, np.int32), np.zeros(n, np.int32)
     red = kernels.put_into_slots(slot, members, parts.colour, np.arange(n), 0, n)
     assert np.array_equal(np.sort(members), np.arange(n))
-    assert (parts.colour[members[:red]] == kernels.RED).all()
+    assert (parts.colour[members[:red]] == layout.RED).all()
     links, inverse = np.zeros(2 * (n + 2), np.int64), np.zeros(n + 2, np.float32)
     reach = np.zeros((2, n), np.int32)
     kernels.join_slots(links, inverse, reach, near, slot, members, red, n, lanes)
@@ -234,7 +235,7 @@ def test_a_wave_makes_the_same_as_sweep_after_sweep(lanes, looks, monkeypatch):
         for i in np.flatnonzero(parts.colour == half % 2):
             north, west, east, south = (expected[j if j >= 0 else n] for j in near[i])
             around = (north + south) + (west + east)
-            d = np.float32(1.0 / (near[i] != kernels.BEYOND).sum())
+            d = np.float32(1.0 / (near[i] != layout.BEYOND).sum())
             omega = np.float32(1.4 if half < 2 * (count - 1) else 1.1)
             expected[i] += omega * (d * (around + r[slot[i]]) - expected[i])
     assert np.array_equal(x[slot], expected[:n])
@@ -328,14 +329,14 @@ def test_the_first_look_counts_unknowns_and_pixels_of_their_tiles(size):
     region[-1, -1] = True
     height, width = size
     tiles = [
-        region[row : row + 2, col : col + kernels.TILE]
+        region[row : row + 2, col : col + scattered.TILE]
         for row in range(0, height, 2)
-        for col in range(0, width, kernels.TILE)
+        for col in range(0, width, scattered.TILE)
     ]
     pixels = sum(tile.size for tile in tiles if tile.any())
-    assert tuple(int(n) for n in kernels.survey(region, 0, height, 1)) == (region.sum(), pixels)
+    assert tuple(int(n) for n in scattered.survey(region, 0, height, 1)) == (region.sum(), pixels)
     pairs = np.concatenate([region[row : row + 2] for row in range(0, height, 6)])
-    assert kernels.survey(region, 0, height, 3)[0] == pairs.sum()
+    assert scattered.survey(region, 0, height, 3)[0] == pairs.sum()
 
 
 def test_the_first_look_need_not_see_everything(monkeypatch):

@@ -23,7 +23,8 @@ Unknowns that are scattered over a picture are waited for, each of them: `prefet
     cycle     relaxation, restriction, interpolation, exact solution: the steps of a cycle
     exact     the right-hand side, and between float32 and float64
     pictures  the solution added to pictures; those of integers as they are stored: differences, and rounding
-    narrow    elimination and over-relaxation where a region is narrow: a layout of its own, see `solvers.narrow`
+    scattered unknowns one by one, where a region is sparse: a layout of their own, see `solvers.narrow`
+    narrow    elimination and over-relaxation of those
 
 A module's kernels call no kernel of another module: numba's cache on disk does not see edits there.
 """

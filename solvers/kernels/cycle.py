@@ -10,7 +10,19 @@ the whole of a finest level whose rows are long (`sweep_in_rows`).
 import numpy as np
 
 from solvers.kernels.policy import inlined, jit, loops
-from solvers.layout import ALL, COLS, FIRST_RUN, FIRST_SEGMENT, LANES, OFFSET, QUARTER, ROWS, STRIDE
+from solvers.layout import (
+    ALL,
+    BLACK,
+    COLS,
+    FIRST_RUN,
+    FIRST_SEGMENT,
+    LANES,
+    OFFSET,
+    QUARTER,
+    RED,
+    ROWS,
+    STRIDE,
+)
 
 # What a step is.  A sweep from zero takes x for zero, whatever it holds; a turn ends one cycle and begins the next.
 SWEEP, SWEEP_FROM_ZERO, TURN, COARSEST = 0, 1, 2, 3
@@ -25,8 +37,6 @@ PROLONG, RED_AFTER, BLACK_AFTER, RED_BEFORE, BLACK_BEFORE, RESTRICT = (
 )  # where ranges begin,
 COLUMNS = 15  # and how many there are
 WHOLE = -1  # as the end of a range: all segments of the level
-
-RED, BLACK = 0, 1
 
 # Interpolation makes the coarse correction this much larger: piecewise constant restriction leaves it a few percent too
 # small for smooth errors.  Beside known pixels it is too large, see `layout.BESIDE_KNOWN`.

@@ -198,9 +198,9 @@ def put_less(b, to, line, first, step, weight, diagonal, at, total, north, west,
 def assemble(b, line, total, values, across, down, rhs, top, first, end, weight, diagonal, runs, table):
     """b = the problem's residual at f + total, for rows first ... end of the image (`first` is even).
 
-    line: scratch for (width + 1) * channels sums, float64.  total: as b, or empty for zeros.  values: (n, width, channels) f,
-    known outside the region, first guess inside; row `top` of the image comes first.  across, down: v on pixel pairs
-    (`Guidance`); rhs: like values; arrays without rows stand for zeros.  runs: those of the rows.
+    line: scratch for (width + 1) * channels sums, float64.  total: as b, or empty for zeros.  values: (n, width,
+    channels) f, known outside the region, first guess inside; row `top` of the image comes first.  across, down: v on
+    pixel pairs (`Guidance`); rhs: like values; arrays without rows stand for zeros.  runs: those of the rows.
 
     Returns whether float32 held every value of b exactly.
     """

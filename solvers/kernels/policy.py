@@ -74,6 +74,7 @@ library = Library(
         "solvers.kernels.setup",
         "solvers.kernels.cycle",
         "solvers.kernels.exact",
+        "solvers.kernels.scattered",
         "solvers.kernels.narrow",
         "solvers.kernels.pictures",
     ),
