@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solvers.correction import Correction
-from solvers.kernels.cycle import BLACK, RED, relax_over
-from solvers.layout import Float32
+from solvers.kernels.cycle import relax_over
+from solvers.layout import BLACK, RED, Float32
 from solvers.memory import borrowed_arena
 from solvers.multigrid import certified
 from solvers.problem import OptionError, PoissonProblem

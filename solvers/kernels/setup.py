@@ -50,7 +50,7 @@ def find_extent(columns, region):
     for row in range(height):
         count = np.int64(mark_columns(columns, flat, row * width, width))
         if count > 0:
-            first, end = min(first, row), row + 1
+            first, end = first if unknowns > 0 else np.int64(row), np.int64(row + 1)
             unknowns += count
     return first, end, unknowns
 
