@@ -4,6 +4,9 @@ import numpy as np
 import pytest
 
 from solvers import DEFAULT_TOLERANCE, Guidance, PoissonProblem, SolveResult, solve_multigrid, solve_sor
+from solvers.correction import Correction
+from solvers.memory import Arena
+from solvers.team import Team
 from tests import oracles
 from tests.agreement import assert_untouched, largest_error
 from tests.photographs import crop
@@ -254,6 +257,22 @@ def test_a_constant_picture_stays_what_it_is(solve):
     region = lasso(60, 75)
     values = np.where(region, 0.0, 128.0)
     np.testing.assert_allclose(solve(PoissonProblem(region, values)).solution, 128.0, atol=DEFAULT_TOLERANCE)
+
+
+@pytest.mark.parametrize("channels", [1, 3])
+@pytest.mark.parametrize("col", [3, 4])
+def test_a_single_value_that_float32_does_not_hold_is_seen(channels, col):
+    """The right-hand side is then computed anew from stage to stage: what was rounded has another solution."""
+    region = np.zeros((9, 10), bool)
+    region[1:-1, 1:-1] = True
+    values = np.zeros((9, 10, channels))
+    for channel in range(channels):
+        for value, exact in ((0.5, True), (1 / 3, False)):
+            rhs = values.copy()
+            rhs[4, col, channel] = value
+            problem = PoissonProblem(region, values, rhs=rhs)
+            with Team(1, region.size) as team:
+                assert Correction.of(problem, Arena(), team).exact is exact
 
 
 # --- the same bits ----------------------------------------------------------------------------------
