@@ -252,7 +252,7 @@ def shared_rows(problem: PoissonProblem, team: Team, operation: Callable[[int, i
 
 def _runs_of(runs: NDArray[np.int32], first: int, end: int) -> NDArray[np.int32]:
     """Those of the runs that hold pixels of rows first ... end of the image; a run is two rows high."""
-    low, high = np.searchsorted(runs[:, 0], (first // 2, (end + 1) // 2))
+    low, high = runs[:, 0].searchsorted((first // 2, (end + 1) // 2))
     return runs[low:high]
 
 

@@ -203,7 +203,7 @@ class PoissonProblem:
 
         Only then: the image's pixels are connected, so a part of the region that touches no known pixel is the image.
         """
-        return self.screening == 0 and bool(self.region.all())
+        return self.screening == 0 and self.unknowns == self.region.size
 
 
 def _region(region: ArrayLike) -> NDArray[np.bool_]:

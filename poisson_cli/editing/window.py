@@ -83,7 +83,8 @@ class Window:
         self._source = source
         self._idle = [(self._destination, source)]
         self.space = self._destination.space
-        self._shift = self._mean_shift() if self.region.all() and not drawn else None
+        nothing_known = placement.unknowns == self.region.size
+        self._shift = self._mean_shift() if nothing_known and not drawn else None
         self._rim = self._winsorised_rim() if robust else None
         self.clipped = 0
         self.overshoot = 0.0
