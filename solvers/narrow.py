@@ -116,7 +116,8 @@ class NarrowSolution(NamedTuple):
     values : (n, C or more) float64
         The correction there.
     error : float
-        No value is further than this from the exact one, in the units of the problem; from the residual.
+        No value is further than this from the exact one, in the units of the problem: from the residual, or from what
+        roundings leave of one.
     sweeps : int
         Sweeps of over-relaxation that it took; 0 if all was eliminated.
     """

@@ -78,9 +78,12 @@ def add_values(line, to, f, at, n, sign):
 
 
 @jit
-def residual_of_pixels(line, at, values, across, down, rhs, y, is_first, is_last, low, high):
-    """`residual_of_row` step by step, from line[at] on: for any pixels, and whichever arrays there are."""
-    width, channels = values.shape[1:]
+def residual_of_pixels(line, at, f, v, w, more, width, channels, y, is_first, is_last, low, high):
+    """`residual_of_row` step by step, from line[at] on: for any pixels, and whichever arrays there are.
+
+    f, v, w, more: values, across, down and rhs as vectors.  (What makes one of an array might raise, for all that LLVM
+    knows of a function that it does not inline.)
+    """
     start, stop, pixels = low * channels, high * channels, width * channels
     n = stop - start
     # Values from `begin` to `end` have a neighbour on both sides.
@@ -88,7 +91,7 @@ def residual_of_pixels(line, at, values, across, down, rhs, y, is_first, is_last
     west_edge, east_edge = low == 0 and width > 1, high == width and width > 1
     inner, to, last = max(end - begin, 0), at + begin - start, at + n - channels
 
-    f, own = values.reshape(-1), y * pixels
+    own = y * pixels
     # A pixel beyond the edge, in whose place stands the pixel itself, makes no difference.
     north = own + start - (0 if is_first else pixels)
     south = own + start + (0 if is_last else pixels)
@@ -98,21 +101,20 @@ def residual_of_pixels(line, at, values, across, down, rhs, y, is_first, is_last
         add_difference(line, at, f, own + channels, own, channels)
     if east_edge:
         add_difference(line, last, f, own + stop - 2 * channels, own + stop - channels, channels)
-    if across.shape[0] > 0:
-        v, pairs = across.reshape(-1), y * (pixels - channels)
+    if v.shape[0] > 0:
+        pairs = y * (pixels - channels)
         add_difference(line, to, v, pairs + begin, pairs + begin - channels, inner)
         if west_edge:
             add_values(line, at, v, pairs, channels, 1.0)
         if east_edge:
             add_values(line, last, v, pairs + stop - 2 * channels, channels, -1.0)
-    if down.shape[0] > 0:
-        v = down.reshape(-1)
+    if w.shape[0] > 0:
         if not is_first:
-            add_values(line, at, v, own - pixels + start, n, -1.0)
+            add_values(line, at, w, own - pixels + start, n, -1.0)
         if not is_last:
-            add_values(line, at, v, own + start, n, 1.0)
-    if rhs.shape[0] > 0:
-        add_values(line, at, rhs.reshape(-1), own + start, n, 1.0)
+            add_values(line, at, w, own + start, n, 1.0)
+    if more.shape[0] > 0:
+        add_values(line, at, more, own + start, n, 1.0)
 
 
 @jit
@@ -122,20 +124,19 @@ def residual_of_row(line, values, across, down, rhs, y, is_first, is_last, low, 
     line: channels interleaved, as in the arrays.  is_first, is_last: whether it is the image's first row, its last.
     """
     width, channels = values.shape[1:]
-    arrays = values, across, down, rhs
-    if is_first or is_last or across.shape[0] == 0 or down.shape[0] == 0 or rhs.shape[0] > 0:
-        residual_of_pixels(line, 0, *arrays, y, is_first, is_last, low, high)
+    f, v, w, more = values.reshape(-1), across.reshape(-1), down.reshape(-1), rhs.reshape(-1)
+    if is_first or is_last or v.shape[0] == 0 or w.shape[0] == 0 or more.shape[0] > 0:
+        residual_of_pixels(line, 0, f, v, w, more, width, channels, y, is_first, is_last, low, high)
         return
     begin, end = max(low, 1), min(high, width - 1)
     pixels = width * channels
     at, to, pair = begin * channels, (begin - low) * channels, (y * (width - 1) + begin) * channels
     n = max(end - begin, 0) * channels
-    f, v, w = values.reshape(-1), across.reshape(-1), down.reshape(-1)
     sum_up(line, to, f, y * pixels + at, pixels, channels, v, pair, w, n)
     if low < begin:
-        residual_of_pixels(line, 0, *arrays, y, is_first, is_last, low, begin)
+        residual_of_pixels(line, 0, f, v, w, more, width, channels, y, is_first, is_last, low, begin)
     if begin <= end < high:
-        residual_of_pixels(line, to + n, *arrays, y, is_first, is_last, end, high)
+        residual_of_pixels(line, to + n, f, v, w, more, width, channels, y, is_first, is_last, end, high)
 
 
 @loops
