@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import signal
+import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -16,7 +17,7 @@ from typing import Final
 
 from poisson_cli.errors import HungUp, Terminated
 
-__all__ = ["finishing", "held", "let_in", "listen"]
+__all__ = ["check", "finishing", "held", "hushed", "let_in", "listen"]
 
 finishing: Final = threading.Event()
 """Set when the output is about to take its name; a signal has no effect any more."""
@@ -32,9 +33,39 @@ _KINDS: Final[dict[str, type[BaseException]]] = {
 }
 
 
+_heard: Final[list[type[BaseException]]] = []
+"""What signals have raised."""
+
+
+def check() -> None:
+    """Raise once more what a signal has raised, if the process goes on all the same.
+
+    Python drops what is raised in a destructor. So whoever waits for long, and lets others' destructors run, asks.
+    """
+    if _heard:
+        raise _heard[-1]
+
+
+@contextlib.contextmanager
+def hushed() -> Iterator[None]:
+    """Let Python say nothing of a signal's exception that it drops, because `check` is asked soon."""
+    usual = sys.unraisablehook
+
+    def tell(dropped: sys.UnraisableHookArgs) -> None:
+        if dropped.exc_type not in _KINDS.values():
+            usual(dropped)
+
+    sys.unraisablehook = tell
+    try:
+        yield
+    finally:
+        sys.unraisablehook = usual
+
+
 def listen() -> None:
     """Make the signals exceptions on the main thread, but for those that the process was started deaf to."""
     heard = [float("-inf")]
+    _heard.clear()
 
     def stop(number: int, _frame: FrameType | None) -> None:
         now = time.monotonic()
@@ -42,7 +73,8 @@ def listen() -> None:
         if finishing.is_set() or now - heard[0] < _ECHO:
             return
         heard[0] = now
-        raise _KINDS[signal.Signals(number).name]
+        _heard.append(_KINDS[signal.Signals(number).name])
+        raise _heard[-1]
 
     for name in _KINDS:
         number = getattr(signal, name, None)

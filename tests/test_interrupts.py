@@ -1,6 +1,7 @@
 """Signals end a run until its output takes its name, and one that comes twice ends it once."""
 
 import signal
+import sys
 
 import pytest
 
@@ -21,6 +22,7 @@ def usual_handlers():
     interrupts.finishing.clear()
     yield
     interrupts.finishing.clear()
+    interrupts.listen()  # forgets what was heard
     for number, handler in usual.items():
         signal.signal(number, handler)
 
@@ -31,6 +33,30 @@ def test_a_signal_is_an_exception_and_its_echo_is_none(number):
     with pytest.raises(NUMBERS[number]):
         signal.raise_signal(number)
     signal.raise_signal(number)
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_one_that_comes_in_a_destructor_is_not_lost(number, monkeypatch):
+    class Fragile:
+        def __init__(self, fails):
+            self.fails = fails
+
+        def __del__(self):
+            self.fails()
+
+    told = []
+    monkeypatch.setattr(sys, "unraisablehook", lambda dropped: told.append(dropped.exc_type))
+    interrupts.listen()
+    interrupts.check()
+    with interrupts.hushed():
+        for fails in (lambda: signal.raise_signal(number), lambda: {}[0]):
+            fragile = Fragile(fails)
+            del fragile  # Python drops the exception
+    assert told == [KeyError]
+    with pytest.raises(NUMBERS[number]):
+        interrupts.check()
+    interrupts.listen()
+    interrupts.check()
 
 
 @pytest.mark.parametrize("number", NUMBERS)

@@ -22,6 +22,7 @@ from concurrent.futures import CancelledError
 from contextlib import ExitStack, suppress
 from typing import TYPE_CHECKING, Any, Final
 
+from poisson_cli import interrupts
 from poisson_cli.batch.task import Result, Task, perform
 from poisson_cli.batch.worker import alone, deaf
 from poisson_cli.errors import BUG, InputError, PoissonError
@@ -42,6 +43,9 @@ _COUNTED: Final = 1.0
 
 _EVERYTHING: Final = "all"
 """The topic under which a scheduler tells which workers it has lost."""
+
+_NAP: Final = 0.02
+"""Seconds between two looks for results."""
 
 _TIMEOUT: Final = 30.0
 """Seconds to wait for the scheduler, and for the first worker."""
@@ -86,7 +90,7 @@ def run(
         raise InputError("a cluster needs Dask: pip install 'poisson-cli[cluster]'") from error
     # What happens to workers is told in the report; its own lines would break the progress line.
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
-    with ExitStack() as stack:
+    with interrupts.hushed(), ExitStack() as stack:
         client = stack.enter_context(_connected(scheduler, at_a_time, stack))
         limit = at_a_time if scheduler != LOCAL else None
         submission = _Submission(distributed, client, tasks, limit, begins)
@@ -159,7 +163,10 @@ class _Submission:
             self._submit()
             if not self._submitted:
                 return
-            pairs = self._completed.next_batch(block=True)
+            while not self._completed.has_ready():
+                interrupts.check()  # it may have come in a destructor of Dask's, of which there are many
+                time.sleep(_NAP)
+            pairs = self._completed.next_batch(block=False)
             lost = self._times_lost([future for future, _ in pairs])
             for future, value in pairs:
                 result = self._result(future, value, 1 + lost.get(future.key, 0))
