@@ -22,7 +22,7 @@ FIRST_GAIN = 0.04  # and what these make of |r|, about
 MOST_SWEEPS = 16  # between two looks,
 LONGEST_RUN = 20_000_000  # or unknowns to sweep
 LEFT = 3.0  # |r| before a sweep of Gauss and Seidel by what it leaves, at least
-READY = 8  # getting a part ready takes as long as so many sweeps
+READY = 12  # getting a part ready takes as long as so many sweeps
 SWEEPS = 90  # after so many, or if so many would be needed, a part is given up: multigrid is not slower then
 # What rho is: 1 - 0.31 / max z in a stripe, 1 - 0.36 / max z in a square, 1 - 0.25 / max z at most.
 STANDING_OUT = 0.31
