@@ -64,15 +64,15 @@ def hushed() -> Iterator[None]:
 
 def listen() -> None:
     """Make the signals exceptions on the main thread, but for those that the process was started deaf to."""
-    heard = [float("-inf")]
+    last = [float("-inf")]  # when one was heard
     _heard.clear()
 
     def stop(number: int, _frame: FrameType | None) -> None:
         now = time.monotonic()
         # An echo must not come between a `finally` and what it has to clean up.
-        if finishing.is_set() or now - heard[0] < _ECHO:
+        if finishing.is_set() or now - last[0] < _ECHO:
             return
-        heard[0] = now
+        last[0] = now
         _heard.append(_KINDS[signal.Signals(number).name])
         raise _heard[-1]
 

@@ -191,7 +191,7 @@ def _solve(
         arena.doubles(lanes),
         arena.longs(lanes),
         arena.doubles(largest * (kernels.WINDOW + lanes)),
-        arena.doubles((kernels.WINDOW + 1) * (kernels.WINDOW + lanes)),
+        arena.doubles(kernels.WINDOW * (kernels.WINDOW + lanes)),
     )
     where = b, parts.near, parts.colour, parts.order, parts.rank, parts.starts, channels
     part = 0

@@ -19,7 +19,7 @@ CHUNK = 128  # slots, see `sweep_slots`: what some chunks of both colours hold s
 TOGETHER = 4  # slots that are compared in one go
 FIRST_OMEGA, FIRST_SWEEPS = 1.5, 7  # before anything is known of a part,
 FIRST_GAIN = 0.04  # and what these make of |r|, about
-MOST_SWEEPS = 16  # between two looks,
+MOST_SWEEPS = 16  # in one go,
 LONGEST_RUN = 20_000_000  # or unknowns to sweep
 LEFT = 3.0  # |r| before a sweep of Gauss and Seidel by what it leaves, at least
 READY = 12  # getting a part ready takes as long as so many sweeps
@@ -572,16 +572,6 @@ def relax_part(
 # --- all parts ----------------------------------------------------------------------------------------------------
 
 
-@loops
-def deliver_four(x, to, largest, sums, at, lane):
-    """x = the sums in four lanes; largest: from `lane` on, the bits of the largest |x| so far."""
-    for k in range(u(FOUR)):
-        value = sums[at + k]
-        x[to + k] = value
-        bits = bits_of(value)
-        largest[u(lane) + k] = bits if bits > largest[u(lane) + k] else largest[u(lane) + k]
-
-
 @inlined
 def eliminate_part(x, largest, sums, window, b, near, order, rank, start, n, reach, lanes, channels):
     """`solve_in_window`, and a bound of the error: elimination leaves a residual of so many roundings."""
@@ -589,9 +579,10 @@ def eliminate_part(x, largest, sums, window, b, near, order, rank, start, n, rea
     for lane in range(lanes):
         largest[u(lane)] = 0
     for k in range(n):
-        to = lanes * (np.int64(order[u(start + k)]) + 2)
+        to, at = lanes * (np.int64(order[u(start + k)]) + 2), k * (WINDOW + lanes) + WINDOW
+        scale(x, to, sums, at, 1.0, lanes)
         for lane in range(0, lanes, FOUR):
-            deliver_four(x, u(to + lane), largest, sums, u(k * (WINDOW + lanes) + WINDOW + lane), lane)
+            raise_four(largest, lane, sums, u(at + lane))
     return ELIMINATED * largest_channel(largest, channels) * float_of(largest[u(channels)])
 
 

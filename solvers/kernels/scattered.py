@@ -55,10 +55,8 @@ def locate(place, count, words, pixels, marked, first, end):
     whole = min(end, words.shape[0])
     for low in range(first, whole, marked.shape[0]):
         hits = np.int64(0)
-        for word in range(
-            low, min(low + marked.shape[0], whole)
-        ):  # without a branch, which could not be foreseen
-            marked[u(hits)] = word  # if it is none, the next one comes here
+        for word in range(low, min(low + marked.shape[0], whole)):
+            marked[u(hits)] = word  # if it is none, the next one comes here: a branch could not be foreseen
             hits += words[u(word)] != 0
         for k in range(hits):
             for i in range(8 * marked[u(k)], 8 * marked[u(k)] + 8):
