@@ -119,10 +119,9 @@ class Cycling:
             ]
             self.team.run(kernels.run_steps, parts)
             following = int(calls[k + 1][0][0, kernels.CYCLE]) if k + 1 < len(calls) else cycles
-            if following > done:  # numbers of Python: for so few of them numpy takes ten times as long
-                largest = changes.max(0) if len(changes) > 1 else changes[0]
-                for before, corrected, after in largest[done:following].view(np.float32).tolist():
-                    yield before + corrected + after
+            if following > done:
+                largest = changes[:, done:following].max(0).view(np.float32)
+                yield from largest.sum(1, dtype=np.float64).tolist()
             done = following
 
     def _plan(self, cycle: Cycle, cycles: int) -> list[list[NDArray[np.int64]]]:
